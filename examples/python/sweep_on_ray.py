@@ -2,7 +2,7 @@
 # # A sweep on Ray
 #
 # How often should a valve be pulsed? Slowly, and the load dances to the pulses; quickly, and the valve's delays eat
-# them. The answer is a map over frequency and duty, a thousand runs. On a laptop they take all cores; on a cluster the
+# them. The answer is a map over frequency and duty, 384 runs. On a laptop they take all cores; on a cluster the
 # same line takes the cluster: `executor="ray"`.
 #
 # `pip install ray` is all that it needs. **Without Ray the page goes on with this machine's cores**, and says so: the
@@ -38,7 +38,7 @@ scenario = mckibben.Scenario.from_file(pictures.EXAMPLES / "paper" / "fig-13.tom
     {
         "run.duration": "2 s",
         "run.engine": "fixed-step",
-        "run.step": "0.1 ms",
+        "run.step": "0.2 ms",
         "sweep.design": "grid",
         "sweep.part_rows": 64,
         "sweep.reductions": ["length.final", "length.ripple", "air.used"],
@@ -49,7 +49,7 @@ scenario = mckibben.Scenario.from_file(pictures.EXAMPLES / "paper" / "fig-13.tom
     }
 )
 todo = mckibben.Sweep(scenario)
-print(f"{todo.rows} runs in {todo.parts} parts, in steps of 0.1 ms")
+print(f"{todo.rows} runs in {todo.parts} parts, in steps of 0.2 ms")
 
 # %% [markdown]
 # ## On the cluster

@@ -69,6 +69,13 @@ def response(model: LinearModel, omega: numpy.typing.ArrayLike) -> numpy.typing.
     return numpy.array(answers, dtype=complex).reshape(len(rates), len(model.outputs), len(model.inputs))
 
 
+def unit_over(unit: str, other: str) -> str:
+    """Return the unit of a gain: that of an output over that of an input, of which a pure number has none."""
+    if not other:
+        return unit or "1"
+    return f"{unit or '1'}/({other})" if "/" in other or "*" in other else f"{unit or '1'}/{other}"
+
+
 def bode(
     model: LinearModel,
     input: str | None = None,
@@ -92,7 +99,7 @@ def bode(
     axes, figure = axes_for(ax, 2, "; give two, for magnitude and phase")
     for row, output in zip(rows, chosen):
         answer = answers[:, row, column]
-        label = f"{output} ({model.units[output]}/{model.units[name] or '1'})"
+        label = f"{output} ({unit_over(model.units[output], model.units[name])})"
         axes[0].loglog(omega / math.tau, numpy.abs(answer), label=label)
         axes[1].semilogx(omega / math.tau, numpy.degrees(numpy.unwrap(numpy.angle(answer))), label=output)
     axes[0].set_ylabel(f"magnitude over {name}")

@@ -253,7 +253,8 @@ class Actuators:
 
     The caller owns the arrays: `step` reads and writes them in place. They are one-dimensional and C-contiguous, of float64,
     with one element for each actuator. They are stepped side by side in the vector registers of the processor, and by all cores where
-    they are many. Each is bit-identical to a scalar `Actuator`. An array of other numbers or dimensions raises `TypeError`.
+    they are many. In double precision each is bit-identical to a scalar `Actuator`; in single precision it is near that, and the others
+    of the batch change it by less than a millionth of its range. An array of other numbers or dimensions raises `TypeError`.
 
     Parameters
     ----------
@@ -781,7 +782,8 @@ class HostedPlant:
     All actuators of the scenario, with the air network that they share, are one plant. The loads and mechanisms of the scenario
     are not used: the simulator moves the ends. Nor are `run.method` and `run.step`: every part of a step is one of the stable
     method. `count` plants, each with its own state, are stepped together, side by side in the
-    vector registers of the processor; many of them on all cores. Each is bit-identical to a plant alone.
+    vector registers of the processor; many of them on all cores. In double precision each is bit-identical to a plant alone; in single
+    precision the others of the batch change it by less than a millionth of its range.
 
     Arrays have a row for each plant. Those of distances, velocities and commands are read in place, and are C-contiguous.
 
@@ -1319,6 +1321,10 @@ class Scenario:
     def __new__(cls, /, text: str, name: str = "scenario.toml", values: Sequence[tuple[str, str]] = ..., in_si: bool = False) -> Scenario: ...
     def __repr__(self, /) -> str: ...
     def __str__(self, /) -> str: ...
+    def _given(self, /) -> str:
+        """
+        Return the scenario as TOML in which each key stands as it was given, with presets, for keys that are set later.
+        """
     def _repr_html_(self, /) -> Any: ...
     def _settled(self, /) -> tuple[bool, float, int, int, list[tuple[str, str, list[float]]]]:
         """
@@ -2068,7 +2074,8 @@ class VectorPlant:
         What an action is: a duty cycle from 0 to 1 (the default); a request, 1 to fill, 0 to hold, -1 to exhaust; the position
         of a proportional spool from -1 to 1; the set point of a pressure regulator, a gauge pressure in Pa.
     pulse_frequency : float or str, optional
-        Frequency in Hz, above zero, or text with a unit, of the pulses of a duty cycle. By default that of the scenario's PWM.
+        Frequency in Hz, above zero, or text with a unit, of the pulses of all duty cycles. By default that of the scenario's first PWM.
+        What is requested in the pulses of a valve and between them its own PWM says, or the first one where its command is no PWM.
     precision : {"double", "single"}, optional
         Numbers that the instances are stepped in; double by default. Single precision takes twice as many at once, and keeps seven digits of a
         state: what a step changes below the last of them is lost. It needs a package that is built with the feature `f32`.

@@ -230,9 +230,9 @@ class Controllability:
     input : str
         Name of the input.
     rank : int
-        Rank of the controllability matrix: the number of states that the input can move independently.
+        The number of states that the input can move independently.
     condition : float or None
-        Ratio of the largest to the least singular value of that matrix; `None` where the least is zero.
+        Ratio of the largest to the least singular value of that matrix; `None` where the least cannot be distinguished from zero.
     singular_values : list of float
         Singular values of that matrix, the largest first.
     """
@@ -250,7 +250,7 @@ class Pulses:
     Attributes
     ----------
     valve : str
-        Name of the valve; empty for one actuator.
+        Name of the actuator or the supply whose valve it is, of a joint `agonist` or `antagonist`; empty for one actuator.
     frequency : float
         Frequency of the pulses in Hz.
     supply_share : float
@@ -258,7 +258,7 @@ class Pulses:
     exhaust_share : float
         Mean opening of the port to the exhaust over a period, 0 to 1.
     duty_range : tuple of float
-        Lowest and highest duty cycle at which the poppets follow the coil.
+        Lowest and highest duty cycle at which the poppets follow the coil. None follows where the first is the greater.
     seats_follow : bool
         Whether they follow at this duty cycle. If not, the valve is in its dead zone and its gain is zero.
     pressure_ripple : float
@@ -311,12 +311,11 @@ def validity(model: LinearModel) -> Validity:
 
     def pulses(of: dict[str, typing.Any]) -> Pulses:
         holds = of["validity"]
-        shares = {part["valve"]: part["share"] for part in of.get("intervals", [])}
         return Pulses(
-            valve=of.get("of", ""),
+            valve=of["of"],
             frequency=of["frequency_hz"],
             supply_share=of["supply_share"],
-            exhaust_share=of["exhaust_share"] if "exhaust_share" in of else shares.get("exhaust", 0.0),
+            exhaust_share=of["exhaust_share"],
             duty_range=(holds["duty_from"], holds["duty_to"]),
             seats_follow=holds["seats_follow"],
             pressure_ripple=holds["pressure_ripple_pa"],

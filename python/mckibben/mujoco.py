@@ -140,7 +140,8 @@ def muscle_mjcf(
     sensors = [sensors] if isinstance(sensors, str) else sensors
     config = {key: _written(f"keys[{key!r}]", value, _unit(key)) for key, value in (keys or {}).items()}
     if isinstance(scenario, Scenario):
-        config["scenario_text"] = scenario.to_toml()
+        # Values of presets that were written out would outweigh a preset among the keys.
+        config["scenario_text"] = scenario._given()
     elif scenario is not None:
         config["scenario"] = os.fspath(scenario)
     own = {

@@ -68,10 +68,11 @@ def test_editors_see_cells_and_no_line_is_too_long(name):
 
 
 def test_without_ray_a_sweep_goes_on_this_machine_and_pictures_go_into_out(tmp_path):
-    """Its page promises so, and that no folder has to be named."""
+    """Its page promises so, and that no folder has to be named. Long steps are enough to see it."""
     (tmp_path / "ray.py").write_text("raise ImportError\n")
     source = (FOLDER / "sweep_on_ray.py").read_text()
-    (tmp_path / "sweep.py").write_text(source)
+    assert source.count('"run.step": "0.2 ms"') == 1
+    (tmp_path / "sweep.py").write_text(source.replace('"run.step": "0.2 ms"', '"run.step": "2 ms"'))
     package = pathlib.Path(mckibben.__file__).parents[1]
     path = os.pathsep.join([str(tmp_path), str(FOLDER), str(package)])
     done = subprocess.run(

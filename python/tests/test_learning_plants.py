@@ -266,3 +266,57 @@ def test_a_joint_takes_positions_and_set_points() -> None:
             many.step(np.array([[0.6, 0.1], [0.1, 0.6], [0.3, 0.3]], dtype=np.float32))
         first, second, middle = many.unwrapped.observations[:, 0]
         assert first > middle > second
+
+
+#: Muscles by the kind of their valve and by what is requested in a pulse and between pulses.
+PULSED = {
+    "holds": ("fill-hold-exhaust", {"pulse": "fill", "rest": "hold"}),
+    "exhausts": ("fill-hold-exhaust", {"pulse": "fill", "rest": "exhaust"}),
+    "vents": ("fill-hold-exhaust", {"pulse": "exhaust", "rest": "hold"}),
+    "two-way": ("two-way", {}),
+    "three-way": ("three-way", {}),
+}
+
+
+def pulsed(*names: str) -> mckibben.Scenario:
+    """Muscles of constant length on one tank, whose pressure is constant."""
+    kinds = {name: PULSED[name] for name in names}
+    return mckibben.Scenario.from_dict(
+        {
+            "supplies": {"tank": {"gauge_pressure": "6 bar"}},
+            "initial": {"gauge_pressure": "2 bar", "length": "88 mm"},
+            "load": {"kind": "isometric"},
+            "actuators": {
+                name: {
+                    "valve": {"kind": kind, "flow_area": "1.5 mm^2", "opening_delay": "3 ms", "closing_delay": "1 ms"},
+                    "command": {"kind": "pwm", "frequency": "20 Hz", "duty": 0.4, **requests},
+                }
+                for name, (kind, requests) in kinds.items()
+            },
+            "run": {"duration": "0.3 s", "engine": "fixed-step", "method": "rk4", "step": "0.1 ms"},
+        }
+    )
+
+
+@pytest.mark.parametrize("names", [list(PULSED), list(PULSED)[::-1]])
+def test_each_valve_has_the_requests_of_its_pwm(names: list[str]) -> None:
+    """As alone in a file; all were pulsed by those of the first PWM, and a two-way valve beside a three-way valve was refused."""
+
+    def pressures(of: mckibben.Scenario) -> dict[str, float]:
+        plants = VectorPlant(of, 1)
+        shown, stopped = np.zeros((1, len(plants.columns))), np.zeros(1, dtype=bool)
+        for _ in range(6):
+            plants.step(np.full((1, plants.valves), 0.4), 0.05, shown, stopped)
+        assert not stopped.any() and plants.pulses == 20.0
+        return {name: value for name, value in zip(plants.columns, shown[0]) if name.endswith("absolute_pressure_pa")}
+
+    together = pressures(pulsed(*names))
+    alone = {key: value for name in names for key, value in pressures(pulsed(name)).items()}
+    assert together == pytest.approx(alone, rel=1e-9)
+    assert alone["holds.absolute_pressure_pa"] > 3.0 * alone["exhausts.absolute_pressure_pa"] > 1e5, alone
+    # So does an environment, whose valves are those of its plant.
+    one = gymnasium.make(SCENARIO, scenario=pulsed(*names), targets={"holds.length_m": (0.083, 0.087)}, duration=0.3)
+    one.reset(seed=0)
+    for _ in range(6):
+        info = one.step(np.full(len(names), 0.4, dtype=np.float32))[4]
+    assert {key: info[key] for key in alone} == pytest.approx(alone, rel=1e-6)

@@ -138,3 +138,42 @@ def test_a_response_at_no_frequency_is_refused(omega):
     model = mckibben.linearize(mckibben.Scenario(MANIFOLD))
     with pytest.raises(mckibben.InputError, match="`omega` has .*no finite angular frequency"):
         model.response([1.0, omega])
+
+
+@pytest.mark.parametrize(
+    ("kind", "frequency", "duty", "delays", "shares"),
+    [
+        # The supply is open for the pulse, longer by how much later it shuts than opens, and the exhaust for the rest of the period.
+        ("three-way", 25, 0.5, (4, 1), (0.425, 0.575)),
+        ("three-way", 25, 0.5, (4, 9), (0.625, 0.375)),
+        # Each port has a poppet that opens 4 ms late and shuts 9 ms late: both are open for a part of the period.
+        ("fill-hold-exhaust", 25, 0.5, (4, 9), (0.625, 0.625)),
+        # A pulse of 5 ms does not open; the rest of 95 ms opens 9 ms late and shuts 2 ms late.
+        ("fill-hold-exhaust", 10, 0.05, (9, 2), (0.0, 0.88)),
+    ],
+)
+@pytest.mark.parametrize("actuators", [{}, {"muscle": {}}])
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_shares_are_the_mean_openings_of_a_run(kind, frequency, duty, delays, shares, actuators):
+    both = {"pulse": "fill", "rest": "exhaust"} if kind == "fill-hold-exhaust" else {}
+    scenario = mckibben.Scenario.from_dict({
+        "actuator": {"preset": "colbrunn-2001"},
+        "supply": {"gauge_pressure": "6 bar"},
+        "valve": {"kind": kind, "flow_area": "0.05 mm^2", "opening_delay": f"{delays[0]} ms", "closing_delay": f"{delays[1]} ms"},
+        "command": {"kind": "pwm", "frequency": f"{frequency} Hz", "duty": duty, **both},
+        "load": {"kind": "isometric"},
+        "initial": {"gauge_pressure": "2 bar", "length": "85 mm"},
+        "run": {"duration": "1 s"},
+        **({"actuators": actuators} if actuators else {}),
+    })  # fmt: skip
+    (pulses,) = mckibben.linearize(scenario).validity.pulses
+    assert pulses.valve == next(iter(actuators), "")
+    assert (pulses.supply_share, pulses.exhaust_share) == pytest.approx(shares, abs=1e-12)
+    if actuators:
+        return
+    run = mckibben.simulate(scenario)
+    # Five whole periods, at instants between those at which a poppet moves.
+    times = 0.5 + (numpy.arange(10_000) + 0.5) / 10_000 * 5 / frequency
+    states = run.at_times(times)["valve"]
+    for port, share in zip(("supply", "exhaust"), shares):
+        assert numpy.mean([port in state for state in states]) == pytest.approx(share, abs=1e-3)

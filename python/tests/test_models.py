@@ -323,6 +323,9 @@ def test_a_linear_model_goes_to_control_by_the_names_of_its_signals(examples):
     numpy.testing.assert_allclose(model.response(omega), printed, rtol=1e-6)
     figure = model.bode(outputs=["length"])
     assert [line.get_label() for line in figure.axes[1].lines] == ["length"]
+    # A mass flow has a quotient as its unit, a force one symbol, and an opening none.
+    for name, due in [("mass_flow", "velocity (m/s/(kg/s))"), ("force", "velocity (m/s/N)"), ("supply_opening", "velocity (m/s)")]:
+        assert model.bode(name, ["velocity"]).axes[0].lines[0].get_label() == due
     with pytest.raises(mckibben.InputError, match="no input `nothing`"):
         model.bode("nothing")
     modes = model.damp()

@@ -6,6 +6,7 @@ import pathlib
 import subprocess
 import sys
 import time
+import tomllib
 
 import mujoco
 import numpy
@@ -223,7 +224,8 @@ def test_what_finite_differences_of_mujoco_see():
 
 @pytest.mark.parametrize(("step", "limit"), [(1e-3, None), (2e-3, None), (5e-3, None), (1e-2, 0.097)])
 def test_it_is_stable_at_long_steps(step, limit):
-    """Up to 5 ms whatever happens; at 10 ms where MuJoCo keeps the tendon from pulling the braid taut."""
+    """Up to 5 ms whatever happens; at 10 ms where MuJoCo keeps the tendon from pulling the braid taut. The first jump is 3.9 cm high, and
+    by these long steps up to 10.5 cm."""
     model, data = hanging(step, pulse_frequency="25 Hz", max_length=limit)
     heights = []
     for count in range(round(4.0 / step)):
@@ -231,7 +233,8 @@ def test_it_is_stable_at_long_steps(step, limit):
         mujoco.mj_step(model, data)
         heights.append(float(data.qpos[0]))
     heights = numpy.array(heights)
-    assert numpy.isfinite(heights).all() and -0.02 < heights.min() and heights.max() < 0.1, (heights.min(), heights.max())
+    highest = 0.11 if step > 5e-3 else 0.04
+    assert numpy.isfinite(heights).all() and -0.02 < heights.min() and heights.max() < highest, (heights.min(), heights.max())
     # With its air gone the mass hangs on the taut braid, or on MuJoCo's limit.
     assert heights[-1] == pytest.approx(0.09 - (limit or 0.0979), abs=2e-3)
 
@@ -426,6 +429,101 @@ def test_what_would_stand_between_a_muscle_and_mujoco_is_refused(old, new, words
     assert text.count(old) == 1, text
     said = refused(text.replace(old, new), capfd)
     assert words in said and "leave" in said, said
+
+
+#: A free joint and a ball joint beside the muscle's body.
+OTHERS = """<body pos="1 0 0"><freejoint name="free"/><geom type="sphere" size="0.02"/></body>
+<body pos="2 0 0"><joint name="ball" type="ball"/><geom type="sphere" size="0.02"/></body></worldbody>"""
+
+
+def acting_on(target, **options):
+    """A model whose muscle acts on something else than its tendon."""
+    text = WORLD.format(step=1e-3, gravity=GRAVITY, muscle=muscle(sensors=[], length_offset="90 mm", **options))
+    text = text.replace('<joint type="slide"', '<joint name="slide" type="slide"').replace("</worldbody>", OTHERS)
+    assert text.count('tendon="muscle"') == 1, text
+    return text.replace('tendon="muscle"', target)
+
+
+@pytest.mark.parametrize(
+    ("target", "words"),
+    [
+        ('site="hook"', "site or body"),
+        ('site="hook" gear="0 0 1 0 0 0"', "site or body"),
+        ('joint="free"', "free or a ball"),
+        ('joint="ball"', "free or a ball"),
+        ('jointinparent="ball" gear="0 0 1 0 0 0"', "free or a ball"),
+    ],
+)
+def test_what_has_no_distance_is_refused(target, words, capfd):
+    """MuJoCo's length is zero there, or a rotation: the muscle pulled without becoming shorter."""
+    said = refused(acting_on(target), capfd)
+    assert words in said and "<spatial> tendon" in said, said
+
+
+@pytest.mark.parametrize("target", ['joint="slide"', 'jointinparent="slide"'])
+def test_the_position_of_a_slide_is_a_length(target):
+    model = mujoco.MjModel.from_xml_string(acting_on(target, command_mode="request"))
+    data = mujoco.MjData(model)
+    run(model, data, 0.02, 1.0)
+    assert data.actuator_length[0] == pytest.approx(data.qpos[0], abs=1e-3) and data.qpos[0] < -1e-3
+
+
+def of_file(path):
+    return WORLD.format(step=1e-3, gravity=GRAVITY, muscle=muscle({}, scenario=path, command_mode="request"))
+
+
+def test_a_file_that_has_other_parts_by_now_is_refused(tmp_path, capfd):
+    """The file is read for each data; a state of more numbers than the model has for it would lie on what is beside it."""
+    path = tmp_path / "muscle.toml"
+    path.write_text(scenario().to_toml())
+    model = mujoco.MjModel.from_xml_string(of_file(path))
+    data = mujoco.MjData(model)
+    for other in ({"valve.dead_time": "5 ms"}, {"supply.reservoir_volume": "1 L"}):
+        path.write_text(scenario(**other).to_toml())
+        with pytest.raises((ValueError, mujoco.FatalError)):
+            mujoco.MjData(model)
+        said = "".join(capfd.readouterr()) + log()
+        assert "compile the model again" in said and "scenario_text" in said, said
+        mujoco.MjData(mujoco.MjModel.from_xml_string(of_file(path)))
+    # A number is that of the file as it is now, and data that there are keep theirs.
+    path.write_text(scenario(**{"supply.gauge_pressure": "50 psi"}).to_toml())
+    later = mujoco.MjData(model)
+    for its in (data, later):
+        run(model, its, 0.2, 1.0)
+    assert data.act[0] > 600e3 > 350e3 > later.act[0]
+
+
+def test_keys_act_on_a_scenario_as_on_its_file(tmp_path):
+    """A preset among the keys did not outweigh the values of the preset of the file, which were written into the model."""
+    text = """
+[actuator]
+preset = "colbrunn-2001"
+[supply]
+gauge_pressure = "100 psi"
+[valve]
+preset = "matrix-eight-channel"
+[command]
+kind = "fill"
+[load]
+kind = "isometric"
+[initial]
+length = "90 mm"
+[run]
+duration = "1 s"
+"""
+    path = tmp_path / "muscle.toml"
+    path.write_text(text)
+    of_dictionary = mckibben.Scenario.from_dict(tomllib.loads(text))
+    ends = []
+    for keys in ({}, {"valve.preset": "matrix-821"}, {"actuator.preset": "festo-dmsp-10-250"}, {"valve.opening_delay": 0.009}):
+        each = []
+        for its in (path, mckibben.Scenario.from_file(path), of_dictionary):
+            model, data = hanging(keys=keys, scenario=its, command_mode="request")
+            run(model, data, 0.02, 1.0)
+            each.append((*data.qpos, *data.act))
+        assert each[0] == each[1] == each[2], keys
+        ends.append(each[0])
+    assert len(set(ends)) == len(ends), ends
 
 
 def test_a_muscle_that_mujoco_disables_exerts_no_force():

@@ -443,8 +443,8 @@ enum mckibben_status mckibben_begin_at(struct mckibben_plant *plant,
 enum mckibben_status mckibben_reset(struct mckibben_plant *plant);
 
 /**
- * Saves the whole state as `count` numbers: time, air, valves with their commands, and what friction remembers. Their meaning
- * may change from one version to the next. Refused where more than 64 commands of one valve are within its dead time:
+ * Saves the whole state as `count` numbers: a mark of the scenario and of how its valves are commanded, time, air, valves with their
+ * commands, and what friction remembers. Their meaning may change from one version to the next. Refused where more than 64 commands of one valve are within its dead time:
  * `mckibben_plant_clone` copies such a plant.
  */
 enum mckibben_status mckibben_save(struct mckibben_plant *plant,
@@ -452,7 +452,9 @@ enum mckibben_status mckibben_save(struct mckibben_plant *plant,
                                    size_t count);
 
 /**
- * Restores a state that a plant of an equal scenario saved, as `count` numbers; from there the plant goes on to the same bits.
+ * Restores a state that a plant of an equal scenario saved, as `count` numbers; from there the plant continues bit-identically. A state of
+ * another scenario, command mode, pulse frequency or motion is refused. Only the commands, controllers, start and run of the scenario
+ * may differ, and where the host moves the ends its load and mechanism.
  */
 enum mckibben_status mckibben_restore(struct mckibben_plant *plant,
                                       const double *numbers,

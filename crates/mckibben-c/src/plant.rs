@@ -135,7 +135,8 @@ impl Plant {
             commands: host.commands().iter().map(Commanded::of).collect(),
             outputs: host.outputs().iter().map(|column| (c_text(&column.name), c_text(column.unit))).collect(),
         };
-        let (state_size, distance_count) = (host.state_size(), host.distance_count());
+        // A mark of the plant stands before the numbers of its state.
+        let (state_size, distance_count) = (1 + host.state_size(), host.distance_count());
         Self { names, state_size, distance_count, moving: Mutex::new(moving) }
     }
 

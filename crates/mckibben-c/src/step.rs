@@ -257,6 +257,11 @@ pub unsafe extern "C" fn mckibben_reset(plant: *mut Plant) -> Status {
     unsafe { on(plant, reset) }
 }
 
+/// The mark of a state, and the numbers behind it.
+fn marked<M, N>(state: Option<(M, N)>) -> Result<(M, N), Refusal> {
+    state.ok_or_else(|| Refusal::count("numbers of a state", 0, 1, "mckibben_state_size"))
+}
+
 /// That as many numbers are given as a state is.
 fn check_state(given: usize, due: usize) -> Result<(), Refusal> {
     if given == due { Ok(()) } else { Err(Refusal::count("numbers of a state", given, due, "mckibben_state_size")) }
@@ -273,28 +278,34 @@ fn not_saved(error: Error) -> Refusal {
     }
 }
 
-/// Saves the whole state as `count` numbers: time, air, valves with their commands, and what friction remembers. Their meaning
-/// may change from one version to the next. Refused where more than 64 commands of one valve are within its dead time:
+/// Saves the whole state as `count` numbers: a mark of the scenario and of how its valves are commanded, time, air, valves with their
+/// commands, and what friction remembers. Their meaning may change from one version to the next. Refused where more than 64 commands of one valve are within its dead time:
 /// `mckibben_plant_clone` copies such a plant.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mckibben_save(plant: *mut Plant, numbers: *mut f64, count: usize) -> Status {
     let save = |its: &Plant, moving: &mut Moving| {
         check_state(count, its.state_size)?;
         // SAFETY: the caller's promise.
-        let numbers = unsafe { array_mut(numbers, count, "numbers") }?;
-        moving.host.steps_mut().save_to(numbers).map_err(not_saved)
+        let (mark, numbers) = marked(unsafe { array_mut(numbers, count, "numbers") }?.split_first_mut())?;
+        moving.host.steps_mut().save_to(numbers).map_err(not_saved)?;
+        *mark = moving.host.mark();
+        Ok(())
     };
     // SAFETY: the caller's promise.
     unsafe { on(plant, save) }
 }
 
-/// Restores a state that a plant of an equal scenario saved, as `count` numbers; from there the plant goes on to the same bits.
+/// Restores a state that a plant of an equal scenario saved, as `count` numbers; from there the plant continues bit-identically. A state of
+/// another scenario, command mode, pulse frequency or motion is refused. Only the commands, controllers, start and run of the scenario
+/// may differ, and where the host moves the ends its load and mechanism.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn mckibben_restore(plant: *mut Plant, numbers: *const f64, count: usize) -> Status {
     let restore = |its: &Plant, moving: &mut Moving| {
         check_state(count, its.state_size)?;
         // SAFETY: the caller's promise.
-        Ok(moving.host.restore(unsafe { array(numbers, count, "numbers") }?)?)
+        let (mark, numbers) = marked(unsafe { array(numbers, count, "numbers") }?.split_first())?;
+        moving.host.check_mark("the state", *mark)?;
+        Ok(moving.host.restore(numbers)?)
     };
     // SAFETY: the caller's promise.
     unsafe { on(plant, restore) }

@@ -61,6 +61,28 @@ fn every_kind_of_run_has_the_usual_panels() {
     assert_eq!(panels(&of("plant/leg")), ["angle", "gauge pressure", "tension"]);
 }
 
+/// Between a mechanism and its tendon a muscle has a length that neither shows.
+#[test]
+fn a_muscle_on_a_tendon_in_a_mechanism_has_a_panel_of_its_length() {
+    let text = "[supply]\ngauge_pressure = \"60 psi\"\n[valve]\nkind = \"two-way\"\nflow_area = \"0.5 mm^2\"\n[command]\n\
+                kind = \"pwm\"\nfrequency = \"10 Hz\"\nduty = 0.5\n[mechanism]\nkind = \"mass\"\nmass = \"2 kg\"\n\
+                position = \"100 mm\"\n[actuators.a]\npreset = \"colbrunn-2001\"\n\
+                tendon = { stiffness = \"8 N/mm\", rest_length = \"5 mm\" }\n[run]\nduration = \"0.3 s\"\n";
+    let figure = usual(&run(text)).figures()[0].clone();
+    assert_eq!(panels(&figure), ["position", "length", "load distance", "gauge pressure", "tension"]);
+}
+
+/// What a muscle of a chain holds, it lets go of with the joints: the mark has a value on their curve.
+#[test]
+fn a_chain_that_breaks_away_is_marked_on_the_curve_of_its_joint() {
+    let figure = usual(&example("plant/hose-joint")).figures()[0].clone();
+    let is_it = |marks: &&mckibben_plot::Marks| {
+        (marks.symbol, marks.filled) == (mckibben_plot::Symbol::Circle, false) && !marks.x.is_empty()
+    };
+    let marks: Vec<_> = figure.panels.iter().flat_map(|panel| &panel.marks).filter(is_it).collect();
+    assert!(!marks.is_empty() && marks.iter().all(|marks| marks.y.len() == marks.x.len()), "{marks:?}");
+}
+
 #[test]
 fn what_does_not_change_is_a_note_and_not_a_panel() {
     let figure = one(usual(&example("isometric-charge")));
@@ -299,6 +321,8 @@ fn a_page_for_a_browser_is_one_file() {
         folder.mckibben().args(["simulate", "muscle.toml", "-q", "--plot", "run.html"]).output().expect("runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let page = std::fs::read_to_string(folder.path("run.html")).expect("a page");
-    assert!(page.contains("A muscle under a 2.268 kg load, pulsed at 10 Hz and 40 %") && page.contains("\"panels\":["));
+    assert!(
+        page.contains("A muscle under a load of 2.268 kg, pulsed at 10 Hz and 40 %") && page.contains("\"panels\":[")
+    );
     assert!(!page.contains("src=") && !page.contains("href="), "it loads nothing");
 }

@@ -319,6 +319,47 @@ fn a_joint_is_identified_from_both_measured_pressures() {
     assert!(output.status.code() == Some(2) && error.contains("columns.antagonist_gauge_pressure"), "{error}");
 }
 
+/// What a plant compares one actuator compares too: alone, a temperature determines the heat transfer, and a mass flow the valve.
+#[test]
+fn temperature_and_mass_flow_of_one_actuator_are_compared() {
+    let folder = Folder::new("identify-air");
+    let scenario = |heat: &str, valve: &str| {
+        format!(
+            "[actuator]\npreset = \"colbrunn-2001\"\n[air]\nprocess = \"energy-balance\"\nheat_transfer = \"{heat} W/K\"\n\
+             [supply]\ngauge_pressure = \"5 bar\"\n[valve]\nkind = \"three-way\"\nsonic_conductance = \"{valve} L/(s*bar)\"\n\
+             critical_ratio = 0.3\n[command]\nkind = \"table\"\ntime = [\"10 ms\", \"80 ms\"]\nstate = [\"fill\", \"exhaust\"]\n\
+             [load]\nkind = \"isometric\"\n[initial]\ngauge_pressure = \"1 bar\"\nlength = \"90 mm\"\n\
+             [run]\nduration = \"0.2 s\"\nsample_interval = \"2 ms\"\n"
+        )
+    };
+    folder.file("truth.toml", &scenario("0.03", "0.2"));
+    let simulate = ["simulate", "truth.toml", "--output", "run.csv"];
+    let output = folder.mckibben().args(simulate).output().expect("it runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    folder.file("rig.toml", &scenario("0.02", "0.2"));
+    folder.file("valve.toml", &scenario("0.03", "0.25"));
+    let study = |scenario: &str, quantity: &str, name: &str, unit: &str, fit: &str| {
+        let text = format!(
+            "[study]\nkind = \"trajectories\"\nscenario = \"{scenario}.toml\"\n[search]\nmore_starts = 0\n[columns.time]\n\
+             name = \"time_s\"\nunit = \"s\"\n[columns.{quantity}]\nname = \"{name}\"\nunit = \"{unit}\"\n[[run]]\nfile = \"run.csv\"\n\
+             [fit.\"{fit}\"]\n"
+        );
+        identify(&folder, &folder.file("study.toml", &text))
+    };
+    for (scenario, quantity, name, unit, fit, truth) in [
+        ("rig", "temperature", "temperature_k", "K", "air.heat_transfer", 0.03),
+        ("valve", "mass_flow", "mass_flow_kg_s", "kg/s", "valve.sonic_conductance", 2e-9),
+    ] {
+        let report = printed(&study(scenario, quantity, name, unit, fit));
+        let value = cell(&read(&folder, "out/values.csv"), fit, "value");
+        assert!((value / truth - 1.0).abs() < 1e-3, "{fit}: {value} is not {truth}\n{report}");
+    }
+    // A volume flow counts air of another state, which no trajectory has.
+    let output = study("rig", "volume_flow", "mass_flow_kg_s", "L/min ANR", "air.heat_transfer");
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(2) && error.contains("[columns.mass_flow]"), "{error}");
+}
+
 #[test]
 fn mistakes_are_refused_in_words() {
     let folder = Folder::new("identify-mistakes");

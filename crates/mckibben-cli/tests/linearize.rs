@@ -423,12 +423,106 @@ fn a_vacuum_makes_what_lies_above_it() {
     assert!(warnings(Some(0.3e5)).contains("exceeds the pressure of the atmosphere"), "{}", warnings(Some(0.3e5)));
 }
 
+/// Of each port the pulse lasts longer by how much later the path shuts than opens, as a share of the period: the mean openings are those
+/// of one actuator, of one with a name and of both of a joint.
+#[test]
+fn both_shares_are_mean_openings_in_every_kind_of_model() {
+    let valve = |kind: &str, [opening, closing]: [&str; 2], command: &str| {
+        format!(
+            "[supply]\ngauge_pressure = \"6 bar\"\n[valve]\nkind = \"{kind}\"\nflow_area = \"0.05 mm^2\"\n\
+             opening_delay = \"{opening} ms\"\nclosing_delay = \"{closing} ms\"\n[command]\nkind = \"pwm\"\n{command}\n"
+        )
+    };
+    let half = "frequency = \"25 Hz\"\nduty = 0.5";
+    let both = "pulse = \"fill\"\nrest = \"exhaust\"";
+    let joint = "[load]\nkind = \"antagonistic-joint\"\npulley_radius = \"15 mm\"\nrest_length = \"85 mm\"\nmass = \"0.5 kg\"\n\
+                 distance = \"100 mm\"\ninertia = \"1e-3 kg*m^2\"\n[initial]\ngauge_pressure = \"2 bar\"\n";
+    let fixed = "[load]\nkind = \"isometric\"\n[initial]\nlength = \"85 mm\"\ngauge_pressure = \"2 bar\"\n";
+    let named = format!("{fixed}[actuators.muscle]\n");
+    for (valve, supply, exhaust) in [
+        (valve("three-way", ["4", "1"], half), 0.5 - 3.0 / 40.0, 0.5 + 3.0 / 40.0),
+        (valve("three-way", ["4", "9"], half), 0.5 + 5.0 / 40.0, 0.5 - 5.0 / 40.0),
+        (valve("fill-hold-exhaust", ["4", "9"], &format!("{half}\n{both}")), 0.5 + 5.0 / 40.0, 0.5 + 5.0 / 40.0),
+        // A pulse of 5 ms is shorter than the delay of 9 ms; the rest of 95 ms is not.
+        (
+            valve("fill-hold-exhaust", ["9", "2"], &format!("frequency = \"10 Hz\"\nduty = 0.05\n{both}")),
+            0.0,
+            0.95 - 7.0 / 100.0,
+        ),
+    ] {
+        for (parts, names) in [(fixed, &[""][..]), (&named, &["muscle"]), (joint, &["agonist", "antagonist"])] {
+            // A joint whose muscles get no air has no balance.
+            if parts == joint && supply == 0.0 {
+                continue;
+            }
+            let model = model_of(&format!("{valve}{parts}"), &Request::default()).expect("a model");
+            let json: Value = serde_json::from_str(&model.json()).expect("JSON");
+            let pulses = json["pwm"].as_array().cloned().unwrap_or_else(|| vec![json["pwm"].clone()]);
+            assert_eq!(pulses.iter().map(|of| of["of"].as_str().expect("a name")).collect::<Vec<_>>(), names);
+            for of in &pulses {
+                for (key, due) in [("supply_share", supply), ("exhaust_share", exhaust)] {
+                    let found = of[key].as_f64().expect("a share");
+                    assert!((found - due).abs() < 1e-9, "{valve}{names:?}: {key} {found} {due}");
+                }
+            }
+        }
+    }
+}
+
+/// Delays of 12 and 13 ms take more than a period of 10 ms: only below 1/(25 ms) = 40 Hz any duty cycle moves the poppet.
+#[test]
+fn a_frequency_at_which_no_duty_cycle_moves_the_poppets_is_said_to_be_so() {
+    let text = |frequency: &str| {
+        format!(
+            "[supply]\ngauge_pressure = \"6 bar\"\n{THREE_WAY}opening_delay = \"12 ms\"\nclosing_delay = \"13 ms\"\n\
+             [command]\nkind = \"pwm\"\nfrequency = \"{frequency}\"\nduty = 0.48\n{HANGS}"
+        )
+    };
+    let warnings = |text: &str| model_of(text, &Request::default()).expect("a model").account().warnings().join("\n");
+    for part in ["", "[actuators.muscle]\n"] {
+        let found = warnings(&format!("{}{part}", text("100 Hz")));
+        assert!(found.contains("lower command.frequency below 40 Hz") && !found.contains("-30"), "{found}");
+        assert!(!warnings(&format!("{}{part}", text("39 Hz"))).contains("does not answer"));
+    }
+    assert!(warnings(&text("100 Hz")).contains("no duty cycle at 100 Hz"));
+}
+
+/// The set point of a regulator reaches every state of a hose in cells, one behind the other, and of the mass that swings slowly behind
+/// them; `supply_pressure` reaches none.
+#[test]
+fn fast_waves_do_not_hide_slow_states_from_an_input() {
+    let text = format!(
+        "[supply]\ngauge_pressure = \"6 bar\"\n[valve]\nkind = \"pressure-regulator\"\nflow_area = \"1.5 mm^2\"\n\
+         time_constant = \"30 ms\"\nrate_limit = \"400 bar/s\"\n\
+         [hose]\nlength = \"1 m\"\ndiameter = \"2.5 mm\"\nkind = \"distributed\"\ncells = 4\n\
+         [command]\nkind = \"set-points\"\ntime = [\"0 s\"]\ngauge_pressure = [\"2 bar\"]\n{HANGS}"
+    );
+    let model = model_of(&text, &Request::default()).expect("a model");
+    let account = model.account();
+    let block = account.blocks.iter().find(|block| block.heading == "Controllability").expect("a table");
+    let row = |name: &str| block.table.rows.iter().find(|row| row[0] == name).expect("an input");
+    let states = model.system().states.len();
+    let set_point = row("set point");
+    assert!(set_point[1] == format!("{states} of {states}") && set_point[2] != "∞", "{set_point:?}");
+    assert_eq!(row("supply pressure")[1..3], [format!("0 of {states}"), "∞".to_owned()]);
+}
+
 #[test]
 fn hysteresis_that_is_a_stiffness_and_a_load_that_pushes_are_said_to_be_so() {
     let slips = "friction.hysteresis.law = \"maxwell-slip\"\nfriction.hysteresis.reach = [\"0.1 mm\"]\n\
                  friction.hysteresis.stiffness_ratio = [0.3]\n";
-    let model = model_of(&format!("{slips}{HANGS}"), &Request::default()).expect("a model");
-    assert!(model.account().warnings().join("\n").contains("stiffness for small signals"));
+    let bends = "friction.hysteresis.law = \"lugre\"\nfriction.hysteresis.width = \"0.3 mm\"\n\
+                 friction.hysteresis.bristle_reach = \"0.1 mm\"\n";
+    for law in [slips, bends] {
+        let model = model_of(&format!("{law}{HANGS}"), &Request::default()).expect("a model");
+        let account = model.account();
+        assert!(account.warnings().join("\n").contains("stiffness for small signals"), "{law}");
+        let mut lines = account.blocks.iter().flat_map(|block| &block.lines);
+        let stiffness = lines.find(|line| line.name == "stiffness").expect("a stiffness");
+        assert!(stiffness.value.contains("without the hysteresis of friction"), "{law}: {}", stiffness.value);
+    }
+    let plain = model_of(HANGS, &Request::default()).expect("a model").account();
+    assert!(plain.blocks.iter().flat_map(|block| &block.lines).all(|line| !line.value.contains("hysteresis")));
     let pushes = "[load]\nkind = \"constant-force\"\nmass = \"2 kg\"\nforce = \"-5 N\"\n\
                   [initial]\ngauge_pressure = \"2 bar\"\nlength = \"80 mm\"\n";
     let failure = model_of(pushes, &Request::default()).err().expect("no equilibrium");

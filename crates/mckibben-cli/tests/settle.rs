@@ -103,6 +103,7 @@ fn what_comes_to_rest_settles_at_an_equilibrium_and_files_end_where_they_did() {
     // In words it is an equilibrium, and no orbit.
     let text = run(&folder, &["simulate", "still.toml", "--settle", still[0], still[1], still[2], still[3]]);
     assert!(text.contains("\n  equilibrium") && !text.contains("\n  orbit"), "{text}");
+    assert!(text.contains("after the end of the run"), "{text}");
     let text = run(&folder, &["simulate", "muscle.toml", "--settle"]);
     assert!(text.contains("\n  orbit") && !text.contains("equilibrium"), "{text}");
 }

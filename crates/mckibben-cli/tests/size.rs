@@ -131,6 +131,10 @@ fn limits_are_kept_or_named() {
     let table = Numbers::read(&folder, "sizes.csv");
     assert!(table.1.len() == 1 && table.at(0, "count") == 2.0 && table.at(0, "diameter_m") <= 5e-3, "{printed}");
     assert!(printed.contains("festo-dmsp-10-250 is longer or wider than allowed"), "{printed}");
+    // The row has the muscle's name as the printed table does, and the angle of its braid.
+    let csv = std::fs::read_to_string(folder.path("sizes.csv")).expect("a table");
+    assert!(csv.lines().nth(1).is_some_and(|row| row.split(',').nth(1) == Some("braid of 25°")), "{csv}");
+    assert!((table.at(0, "braid_angle_rad") - 25_f64.to_radians()).abs() < 1e-7, "{csv}");
     let printed = text(&size(&folder, &["--most-length", "100 mm"]));
     assert!(printed.contains("a braid of 35° must be at least") && printed.contains("100.0"), "{printed}");
 }

@@ -1088,6 +1088,20 @@ fn mistakes_are_reported_before_anything_is_simulated() {
 }
 
 /// What varies is set on the command line as the file writes it, and the figure's title leaves it out.
+/// An entry at fault has the name by which entries vary, counted from 0.
+#[test]
+fn an_entry_at_fault_is_counted_as_what_varies() {
+    let folder = Folder::new("sweep-entry");
+    let text = "[supply]\ngauge_pressure = \"5 bar\"\n[valve]\nkind = \"fill-hold-exhaust\"\nflow_area = \"1 mm^2\"\n[command]\n\
+                kind = \"table\"\ntime = [\"0.1 s\", \"0.2 s\", \"0.3 s\"]\nstate = [\"fill\", \"hold\", \"exhaust\"]\n[load]\n\
+                kind = \"isometric\"\n[initial]\nlength = \"90 mm\"\n[run]\nduration = \"20 ms\"\n[sweep]\n\
+                reductions = [\"length.final\"]\n[sweep.vary]\n\"command.time[1]\" = [\"0.15 s\", \"1.2 s\"]\n";
+    folder.file("entry.toml", text);
+    let printed = run(&folder, &["sweep", "entry.toml"]).split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(printed.contains("1 of 2 runs failed"), "{printed}");
+    assert!(printed.contains("at command.time[2], the first entry being command.time[0]"), "{printed}");
+}
+
 #[test]
 fn what_varies_is_set_on_the_command_line_and_no_part_of_the_title() {
     let folder = Folder::new("sweep-set-vary");
@@ -1106,6 +1120,11 @@ fn what_varies_is_set_on_the_command_line_and_no_part_of_the_title() {
     run(&folder, &["sweep", "muscle.toml", "-q", "-p", "runs.svg"]);
     let svg = std::fs::read_to_string(folder.path("runs.svg")).expect("drawn");
     assert!(svg.contains("A muscle under a load, pulsed at 25 Hz and 50 %") && !svg.contains("2.268 kg"), "{svg}");
+    // How it varies is in the figure, and no TOML in its title.
+    let set = ["--set", "sweep.vary.load.mass=[\"1 kg\", \"2 kg\"]", "--set", "command.duty=0.4"];
+    run(&folder, &[&["sweep", "muscle.toml", "-q", "-p", "set.svg"][..], &set].concat());
+    let svg = std::fs::read_to_string(folder.path("set.svg")).expect("drawn");
+    assert!(svg.contains("command.duty = 0.4") && !svg.contains("sweep.vary"), "{svg}");
     let twice = fails(
         &folder,
         &["sweep", "muscle.toml", "-o", "twice.mat", "-s", "sweep.reductions=[\"length.final\", \"length.final\"]"],

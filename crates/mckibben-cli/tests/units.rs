@@ -48,6 +48,34 @@ fn summary_and_file_have_the_units_that_are_chosen() {
     assert!((kelvin - (fahrenheit + 459.67) / 1.8).abs() < 1e-9, "{fahrenheit}");
 }
 
+/// `--columns` takes the names of `--output` with the units that were chosen, also of those that a figure converts no further.
+#[test]
+fn columns_are_named_as_they_are_written() {
+    let folder = Folder::new("units-columns");
+    folder.file("muscle.toml", PULSES);
+    let of = |units: &[&str], columns: &str| {
+        output(
+            &folder,
+            &[&["simulate", "muscle.toml", "-q", "--plot", "it.svg", "--columns", columns][..], units].concat(),
+        )
+    };
+    assert!(of(&["--units", "imperial"], "gauge_pressure_psi,volume_in3").status.success());
+    assert!(of(&["--units", "pressure=psi"], "gauge_pressure_psi,volume_m3").status.success());
+    assert!(of(&[], "gauge_pressure_pa,volume_m3").status.success());
+    for (units, columns, words) in [
+        (&["--units", "imperial"][..], "gauge_pressure_pa", "gauge_pressure_psi"),
+        (&[], "gauge_pressure_psi", "gauge_pressure_pa"),
+    ] {
+        let refused = of(units, columns);
+        let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(refused.status.code() == Some(2) && message.contains(words), "{message}");
+    }
+    let loops = ["simulate", "muscle.toml", "-q", "--plot", "loops.svg", "--over", "length", "--units", "imperial"];
+    text(&folder, &loops);
+    let drawn = std::fs::read_to_string(folder.path("loops.svg")).expect("a figure");
+    assert!(drawn.contains("tension less secant"), "a figure of loops");
+}
+
 /// Columns of a plant, its volumes among them, and those of a sweep of it: 1 in = 25.4 mm.
 #[test]
 fn volumes_of_plants_and_of_their_sweeps_are_converted() {

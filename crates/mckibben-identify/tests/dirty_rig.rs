@@ -1,7 +1,7 @@
 //! A rig as rigs are: a muscle that creeps, lengths that are late, off by session and rounded to the steps of a sensor, pressures
 //! that are held and noisy. What is looked for lies within its interval in 95 of 100 records.
 
-use crate::noise::{HITS, Noise, coverage, holds};
+use crate::noise::{HITS, Noise, TRIALS, coverage, holds};
 use mckibben::simulation::simulate;
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_identify::least_squares::{Search, Unknown};
@@ -83,6 +83,6 @@ fn intervals_hold_the_truth_of_a_dirty_rig() {
         std::array::from_fn::<bool, 5, _>(|place| holds(&estimates[place], truth[place]))
     });
     for (place, hits) in hits.into_iter().enumerate() {
-        assert!(HITS.contains(&hits), "{place}: {hits} of 500");
+        assert!(HITS.contains(&hits), "{place}: {hits} of {TRIALS}");
     }
 }

@@ -277,9 +277,9 @@ fn draws<const N: usize>(drawn: Drawn, counts: [f64; 2], of_length: f64, of_tens
     (means, hits, left_out)
 }
 
-const DRAWS: u64 = 200;
-/// How many of them hold the truth: binomial with 0.95; 190 with a standard deviation of 3.1; fewer in one of two hundred.
-const LEAST: u32 = 182;
+const DRAWS: u64 = 60;
+/// How many of them hold the truth: binomial with 0.95; 57 with a standard deviation of 1.7; fewer in one of eight hundred.
+const LEAST: u32 = 51;
 
 /// The direction was that of successive lengths: under noise of a few micrometres, which is more than the machine goes from one reading
 /// to the next, it was a toss-up, and a Coulomb width of 0.2 mm came out as 0.08 mm.
@@ -333,8 +333,8 @@ fn swift(time: f64) -> [f64; 2] {
 fn noise_of_the_length_does_not_bias_a_swift_sine() {
     let (means, hits, _) = draws::<2>(swift, [2999.0, 2e-3], 20e-6, 0.02);
     assert!(means.iter().all(|mean| (mean - 1.0).abs() < 1e-2), "{means:?} of the truth");
-    // Some are lost to what a cubic misses.
-    assert!(hits.iter().all(|hits| *hits >= 174), "{hits:?} of {DRAWS} intervals");
+    // Some are lost to what a cubic misses: nine in ten are left.
+    assert!(hits.iter().all(|hits| *hits >= 48), "{hits:?} of {DRAWS} intervals");
 }
 
 /// A noise of the pressure goes into the tension that is computed from it, and a few readings far off are no lack of the scenario: neither

@@ -361,7 +361,7 @@ fn outliers_do_not_spoil_the_weights() {
 fn a_lag_of_zero_has_an_interval() {
     let sensors = [(CLEAN, CLEAN.sensor(&["lag"], 0)), (CLEAN, Sensor::default())];
     let mut at_zero = 0;
-    for draw in 0..8 {
+    for draw in 0..4 {
         let supply = 100.0 + f64::from(draw);
         let clean = &recorded(supply, &[], sensors, [0.0; 2]).time_series[0];
         let rate =

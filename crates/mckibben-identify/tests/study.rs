@@ -276,6 +276,24 @@ fn a_sensor_at_its_end_is_refused_unless_it_is_said() {
     assert_eq!(kept.channel(Quantity::Tension).expect("a time series").0.len(), 60);
 }
 
+/// A column of a part stands in quotes in [columns], and may in [fit].
+#[test]
+fn a_parameter_of_a_sensor_is_named_with_or_without_quotes() {
+    let study = |fit: &str| {
+        let text = format!(
+            "[study]\nkind = \"trajectories\"\nscenario = \"rig.toml\"\n[columns.\"flexor.length\"]\nname = \"L\"\n[[run]]\nfile = \"a\"\n{fit}"
+        );
+        Study::in_memory(&text, "the study", Vec::new())
+    };
+    let [bare, quoted] = [r#"[fit."columns.flexor.length.offset"]"#, r#"[fit."columns.\"flexor.length\".offset"]"#];
+    for fit in [bare, quoted] {
+        let entries = study(fit).unwrap_or_else(|error| panic!("{error}")).fit_entries;
+        assert_eq!(entries[0].path, "columns.flexor.length.offset");
+    }
+    let error = study(&format!("{bare}\n{quoted}\n")).expect_err("one parameter twice").to_string();
+    assert!(error.contains("is in [fit] twice"), "{error}");
+}
+
 #[test]
 fn gaps_and_slack_are_reported() {
     let folder = Folder::new("gaps");
@@ -285,6 +303,9 @@ fn gaps_and_slack_are_reported() {
     });
     let recording = folder.recording(&text, "", "slack = \"0.5 N\"").unwrap_or_else(|error| panic!("{error}"));
     assert!(notes(&recording).contains("a gap of 1.0100 s"), "{}", notes(&recording));
+    // 39 steps in 1.39 s.
+    let rates = "40 readings, 28.0576 a second on average, 100 by the median step";
+    assert!(notes(&recording).contains(rates), "{}", notes(&recording));
     let tension = recording.column(Quantity::Tension).expect("one");
     assert_eq!(tension.slack.iter().filter(|slack| **slack).count(), 5);
 }

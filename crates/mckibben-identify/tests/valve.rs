@@ -335,6 +335,54 @@ fn heat_transfer_is_estimated_together_with_the_valve() {
     assert!(without.to_string().contains("energy balance"), "{without}");
 }
 
+/// From four times C and h A the sum of squares falls to the bound of b, where it has another minimum.
+#[test]
+fn heat_transfer_and_valve_do_not_depend_on_the_guesses() {
+    let of = |heat_transfer: f64| {
+        tank(Process::EnergyBalance { heat_transfer, wall_temperature: ROOM }, Transfer::Discharge)
+    };
+    let times = times(2.5, 60);
+    let exact = of(0.5).pressures(AbsolutePressure(8e5), VALVE, 1.0, &times).expect("pressures");
+    let record = TankRecord::new(times, Noise::new(8).added_to(&exact, 100.0)).expect("a record");
+    for (part, heat) in [(4.0, 2.0), (0.2, 0.05)] {
+        let guess = TankUnknown::Valve { sonic_conductance: part * CONDUCTANCE, critical_ratio: 0.5 };
+        let found = of(heat).fit(&record, guess, true).expect("a fit");
+        close(found.scatter, 100.0, 0.3, "the noise");
+        let estimates =
+            [(found.sonic_conductance, CONDUCTANCE), (found.critical_ratio, RATIO), (found.heat_transfer, 0.5)];
+        for (estimate, truth) in estimates {
+            let estimate = estimate.expect("it was unknown");
+            let error = estimate.standard_error.expect("it is identifiable");
+            assert!((estimate.value - truth).abs() < 4.0 * error, "{part}, {heat}: {estimate:?}, not {truth}");
+        }
+        assert!(!found.all_choked);
+    }
+}
+
+/// A discharge whose flow is choked to its end says of b that it is at least the largest pressure ratio, whatever the guess is.
+#[test]
+fn b_is_not_identifiable_where_all_samples_are_choked() {
+    let tank = tank(Process::Isothermal, Transfer::Discharge);
+    let times = times(0.6, 60);
+    let exact = tank.pressures(AbsolutePressure(8e5), VALVE, 1.0, &times).expect("pressures");
+    let ratio = ATMOSPHERE / exact[59];
+    assert!(ratio < RATIO, "{ratio}");
+    for seed in [1, 3, 6] {
+        let record = TankRecord::new(times.clone(), Noise::new(seed).added_to(&exact, 200.0)).expect("a record");
+        for critical_ratio in [0.05, 0.6] {
+            let guess = TankUnknown::Valve { sonic_conductance: 8e-9, critical_ratio };
+            let found = tank.fit(&record, guess, false).expect("a fit");
+            assert!(found.all_choked, "{found:?}");
+            let b = found.critical_ratio.expect("it was unknown");
+            close(b.value, ratio, 1e-3, "the least b");
+            assert!(b.standard_error.is_none() && b.confidence_interval.is_none(), "{b:?}");
+            let c = found.sonic_conductance.expect("it was unknown");
+            let error = c.standard_error.expect("it is identifiable");
+            assert!((c.value - CONDUCTANCE).abs() < 4.0 * error, "{c:?}");
+        }
+    }
+}
+
 /// Without the readings about its opening a tank has its valve still: the model begins at the opening, not at the first reading.
 #[test]
 fn a_tank_whose_first_readings_are_lacking_is_simulated_from_the_opening_of_its_valve() {

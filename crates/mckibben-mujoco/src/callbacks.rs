@@ -180,10 +180,11 @@ unsafe extern "C" fn init(model: *const c_void, data: *mut c_void, number: c_int
 }
 
 /// An instance with the actuators and sensors of the model that refer to it.
-fn wired(library: &Library, model: &Model, number: usize, config: config::Config) -> Result<Instance, Failure> {
+fn wired(library: &Library, model: &Model, number: usize, mut config: config::Config) -> Result<Instance, Failure> {
     if model.is_rk4() {
         return Err(of_rk4());
     }
+    check_size(instance::state_size(&mut config), model.state_count(number))?;
     let is_its = |instance: i32| usize::try_from(instance) == Ok(number);
     let [actuator, sensor, _] = library.layout.objects;
     // SAFETY: the model is one, as the maker of the view promised.
@@ -215,6 +216,20 @@ fn wired(library: &Library, model: &Model, number: usize, config: config::Config
     Instance::new(config, &actuators, &sensors)
 }
 
+/// Refuses a plant of more or fewer numbers than the model was compiled for: a scenario file is read for each data of the model.
+fn check_size(size: usize, compiled: usize) -> Result<(), Failure> {
+    if size == compiled {
+        return Ok(());
+    }
+    Err(Failure::input(
+        format!(
+            "the state of the plant is {size} numbers, and the model was compiled for {compiled}: the file of `scenario` has other \
+             parts now, or another version of mckibben compiled the model"
+        ),
+        "compile the model again; with scenario_text in place of scenario it keeps the text that it was compiled with",
+    ))
+}
+
 /// Why the integrator RK4 is refused.
 fn of_rk4() -> Failure {
     Failure::input(
@@ -226,7 +241,13 @@ fn of_rk4() -> Failure {
 /// Refuses what would be between the length, the tension or the control of a muscle, by its actuator and force output, and
 /// those of MuJoCo.
 fn check_transmission(model: &Model, (actuator, output): (usize, usize), name: &str) -> Result<(), Failure> {
-    let (gear, delay) = (model.gear(actuator, output), model.delay(actuator));
+    if let Some(target) = model.target_without_length(actuator) {
+        return Err(Failure::input(
+            format!("the actuator `{name}` acts on a {target}, for which MuJoCo has no distance"),
+            "give tendon=\"…\", such as a <spatial> tendon between the sites of both ends, or a joint of type hinge or slide",
+        ));
+    }
+    let (gear, delay) = (model.gear(output), model.delay(actuator));
     let (what, remedy) = if gear != 1.0 {
         let remedy = "leave gear out; for a pulley take a <fixed> tendon whose coefficient is its radius";
         (format!("has gear=\"{gear}\", which scales both length and tension"), remedy)

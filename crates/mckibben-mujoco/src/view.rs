@@ -9,6 +9,9 @@ const RK4: i32 = 1;
 const ON_JOINT: [i32; 2] = [0, 1];
 const ON_SLIDER_CRANK: i32 = 2;
 const ON_TENDON: i32 = 3;
+/// Kinds of joints.
+const SLIDE: i32 = 2;
+const HINGE: i32 = 3;
 /// A joint among what a tendon goes through.
 const WRAP_JOINT: i32 = 1;
 
@@ -71,10 +74,10 @@ impl Model {
         unsafe { self.at.add(offset).cast::<*const T>().read().add(index).read() }
     }
 
-    /// An entry of an array of numbers that has one for each actuator, sensor, instance or part of a tendon, as its name
-    /// says.
+    /// An entry of an array of numbers that has one for each actuator, sensor, instance, joint or part of a tendon, as its
+    /// name says.
     fn index(&self, field: M, index: usize) -> i32 {
-        // SAFETY: callers name an actuator, a sensor, an instance or a part of a tendon of this model.
+        // SAFETY: callers name an actuator, a sensor, an instance, a joint or a part of a tendon of this model.
         unsafe { self.entry(self.layout.model(field), index) }
     }
 
@@ -96,6 +99,11 @@ impl Model {
     /// Address of an instance in `plugin_state`.
     pub(crate) fn state_address(&self, instance: usize) -> usize {
         usize::try_from(self.index(M::StateAddress, instance)).unwrap_or(0)
+    }
+
+    /// How many numbers an instance has in `plugin_state`, as the model was compiled.
+    pub(crate) fn state_count(&self, instance: usize) -> usize {
+        usize::try_from(self.index(M::StateCount, instance)).unwrap_or(0)
     }
 
     /// Address of an actuator's first control, and of its force.
@@ -137,12 +145,26 @@ impl Model {
         is_in_disabled || self.option(M::DisableFlags) & self.layout.no_actuation != 0
     }
 
-    /// What scales the length and the force of an actuator on a joint or a tendon; one of other actuators.
-    pub(crate) fn gear(&self, actuator: usize, output: usize) -> f64 {
-        let kind = self.index(M::Transmission, actuator);
-        let has_one = ON_JOINT.contains(&kind) || kind == ON_TENDON || kind == ON_SLIDER_CRANK;
+    /// What an actuator acts on where MuJoCo has no length of one coordinate for it: that of a site is zero or the component of a pose, that
+    /// of a ball joint a rotation.
+    pub(crate) fn target_without_length(&self, actuator: usize) -> Option<&'static str> {
+        match self.index(M::Transmission, actuator) {
+            ON_TENDON | ON_SLIDER_CRANK => None,
+            kind if ON_JOINT.contains(&kind) => {
+                let joint = usize::try_from(self.index(M::Target, 2 * actuator)).ok();
+                match joint.map(|joint| self.index(M::JointKind, joint)) {
+                    Some(SLIDE | HINGE) => None,
+                    _ => Some("joint that is free or a ball"),
+                }
+            }
+            _ => Some("site or body"),
+        }
+    }
+
+    /// What scales the length and the force of an actuator that has a length of one coordinate.
+    pub(crate) fn gear(&self, output: usize) -> f64 {
         // SAFETY: there are six numbers for each force output.
-        if has_one { unsafe { self.entry(self.layout.model(M::Gear), 6 * output) } } else { 1.0 }
+        unsafe { self.entry(self.layout.model(M::Gear), 6 * output) }
     }
 
     /// By how much in s the control of an actuator acts late; zero in versions without delays.

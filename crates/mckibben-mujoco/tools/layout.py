@@ -15,14 +15,14 @@ MODEL = [
     "nsensor", "opt.timestep", "actuator_plugin", "actuator_actadr", "actuator_actnum", "actuator_ctrllimited",
     "actuator_ctrlrange", "sensor_plugin", "sensor_adr", "plugin_stateadr", "actuator_dyntype", "opt.integrator",
     "opt.disableflags", "opt.disableactuator", "actuator_group", "actuator_gear", "actuator_trntype", "actuator_trnid",
-    "jnt_actfrclimited", "tendon_adr", "tendon_num", "wrap_type", "wrap_objid",
+    "jnt_actfrclimited", "tendon_adr", "tendon_num", "wrap_type", "wrap_objid", "plugin_statenum", "jnt_type",
 ]
 # What older versions do not have.
 MODEL_LATER = ["tendon_actfrclimited", "actuator_delay"]
 # Numbers that `src/view.rs` takes as equal in every version.
 FIXED = {
-    "mjINT_RK4": 1, "mjTRN_JOINT": 0, "mjTRN_JOINTINPARENT": 1, "mjTRN_SLIDERCRANK": 2, "mjTRN_TENDON": 3, "mjWRAP_JOINT": 1,
-    "mjDYN_NONE": 0,
+    "mjINT_RK4": 1, "mjTRN_JOINT": 0, "mjTRN_JOINTINPARENT": 1, "mjTRN_SLIDERCRANK": 2, "mjTRN_TENDON": 3, "mjJNT_SLIDE": 2,
+    "mjJNT_HINGE": 3, "mjWRAP_JOINT": 1, "mjDYN_NONE": 0,
 }
 # Since 3.11 an actuator may have several controls and forces, and the model says where they begin.
 MODEL_NEW = ["nactuator", "actuator_ctrladr", "actuator_outadr"]

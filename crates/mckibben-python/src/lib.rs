@@ -46,7 +46,6 @@ mod exceptions;
 mod hosted_plant;
 mod identification;
 mod linear;
-mod mark;
 mod pace;
 mod parameters;
 mod pool;

@@ -360,6 +360,11 @@ impl Scenario {
         python::call(scenario.py(), ("_results", "settled"), (scenario,)).map(Settled)
     }
 
+    /// Return the scenario as TOML in which each key stands as it was given, with presets, for keys that are set later.
+    fn _given(&self) -> String {
+        self.document.to_toml_with(None)
+    }
+
     /// Return the orbit and its columns, each with its unit, mean, ripple, least and greatest value.
     fn _settled(&self, py: Python<'_>) -> PyResult<SettledColumns> {
         let document = &self.document;

@@ -70,7 +70,7 @@ impl Document {
                     format!("`{}` = {value} contradicts the rule that {holds_for}it {must} {other}", parameter.key);
                 self.shown(Class::Inconsistent, parameter.key, None, title, label)
                     .related(self.given(requirement.other, parameter.key), "the other value")
-                    .help(*remedy)
+                    .help(self.remedy_of(parameter, requirement.other, remedy))
             }
             Error::Table { name, problem, entry, remedy } => {
                 if let Some([given, pressures, lengths]) = self.tensions(name).filter(|[given, p, l]| *given != p * l) {
@@ -109,6 +109,18 @@ impl Document {
         let of = |key: &'static str| Some((key, self.entry(key)?.node.place.clone()));
         let found = [keys::REST_LENGTH.key, p::REST_LENGTH.key].into_iter().find_map(of);
         found.filter(|_| self.entry(p::INITIAL_LENGTH.key).is_none())
+    }
+
+    /// The remedy of a contradiction, where another one than that of the core fits the file: a start that a wall or fittings bound,
+    /// not the thread; a braid that the file describes at rest.
+    fn remedy_of(&self, parameter: &Parameter, other: &str, remedy: &str) -> String {
+        if parameter.key == p::INITIAL_LENGTH.key && other != p::THREAD_LENGTH.key {
+            return remedy.replace("between 0 and the thread length", "between 0 and this limit");
+        }
+        if self.stated_braid().is_at_rest() {
+            return remedy.replace("a shorter max_length or fewer turns", "a larger diameter of the muscle at rest");
+        }
+        remedy.to_owned()
     }
 
     /// A number in a unit of SI as the file writes it at its key. One that the file does not write is rounded, in the unit at that key or

@@ -13,6 +13,7 @@
 //!   = help: did you mean `thread_length`?
 //! ```
 
+use crate::keys;
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 use std::fmt;
 use std::ops::Range;
@@ -220,6 +221,32 @@ impl Diagnostic {
                 _ => word.to_owned(),
             });
             *text = words.collect::<Vec<_>>().join("`");
+        }
+        self
+    }
+
+    /// Names the keys of `[supply]` as those of a supply that the file names.
+    pub(crate) fn of_supply(mut self, name: &str) -> Self {
+        let texts = [&mut self.title, &mut self.label].into_iter().chain(&mut self.help);
+        let keys: Vec<&str> = keys::KEYS.iter().filter(|key| key.section() == "supply").map(|key| key.path).collect();
+        for text in texts {
+            for key in &keys {
+                // A key that begins as a longer one does is part of that.
+                let is_end = |rest: &str| !rest.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_');
+                let mut parts = text.split(key).peekable();
+                let mut named = String::new();
+                while let Some(part) = parts.next() {
+                    named.push_str(part);
+                    match parts.peek() {
+                        Some(rest) if is_end(rest) => {
+                            named.push_str(&format!("supplies.{name}.{}", key.trim_start_matches("supply.")));
+                        }
+                        Some(_) => named.push_str(key),
+                        None => {}
+                    }
+                }
+                *text = named;
+            }
         }
         self
     }

@@ -247,9 +247,19 @@ impl<'d> Reader<'d> {
     /// Takes over the mistakes of the reading of a part, with the paths that they have in the whole file; says whether there is
     /// none.
     pub(crate) fn take(&mut self, part: Reader<'_>, name: impl Fn(&str) -> Option<String>) -> bool {
-        let sound = part.found.is_empty();
-        self.found.extend(part.found.into_iter().map(|diagnostic| diagnostic.renamed(&name)));
+        self.take_all(part.into_mistakes(), name)
+    }
+
+    /// As [`Reader::take`], of a reading that has ended.
+    pub(crate) fn take_all(&mut self, found: Vec<Diagnostic>, name: impl Fn(&str) -> Option<String>) -> bool {
+        let sound = found.is_empty();
+        self.found.extend(found.into_iter().map(|diagnostic| diagnostic.renamed(&name)));
         sound
+    }
+
+    /// Ends the reading of a part with what it noted.
+    pub(crate) fn into_mistakes(self) -> Vec<Diagnostic> {
+        self.found
     }
 
     /// How many mistakes have been noted.

@@ -296,6 +296,15 @@ fn explain(symbol: &str) -> Unknown {
             help: Some(help),
         };
     }
+    if ["gal", "gallon", "qt", "quart", "pt", "pint"].iter().any(|word| {
+        let plain = symbol.strip_suffix('s').unwrap_or(symbol);
+        plain.eq_ignore_ascii_case(word)
+    }) {
+        return Unknown {
+            message: format!("`{symbol}` is a volume that differs by country, and is not a unit here"),
+            help: Some("convert it and write `L`, `in^3` or `ft^3`".to_owned()),
+        };
+    }
     let letters = symbol.trim_end_matches(|c: char| c.is_ascii_digit());
     if letters.len() < symbol.len() && find(letters).is_ok() {
         return Unknown { message, help: Some(format!("write the power as `{letters}^{}`", &symbol[letters.len()..])) };
@@ -357,6 +366,25 @@ mod tests {
             assert!(product.split('*').all(|factor| find(factor).is_ok()), "{product}");
             let unknown = find(word).expect_err(word);
             assert!(unknown.help.is_some_and(|help| help.contains(&format!("`{product}`"))), "{word}");
+        }
+    }
+
+    /// A US gallon and an imperial one differ by a fifth.
+    #[test]
+    fn volumes_that_differ_by_country_are_refused_with_units_that_do_not() {
+        for symbol in ["gal", "gallons", "qt", "pint"] {
+            let unknown = find(symbol).expect_err(symbol);
+            assert!(unknown.help.is_some_and(|help| help.contains("`in^3`")), "{symbol}");
+        }
+    }
+
+    /// Each spelling stands between backticks.
+    #[test]
+    fn the_page_of_the_scenario_file_lists_every_unit() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/scenario.md");
+        let page = std::fs::read_to_string(path).expect("the page");
+        for unit in UNITS {
+            assert!(page.contains(&format!("`{}`", unit.symbol)), "{}", unit.symbol);
         }
     }
 

@@ -372,6 +372,26 @@ fn errors_of_the_core_are_shown_in_the_file() {
     assert_eq!((table.line(), table.column()), (Some(6), Some(20)), "{table}");
 }
 
+/// A wall closes the bore before the thread is straight, and a muscle at rest has a diameter in place of turns.
+#[test]
+fn remedies_fit_what_the_file_states() {
+    let of = |wall: &str| {
+        let text = format!(
+            "[actuator]\nlength = \"200 mm\"\ndiameter = \"10 mm\"\nbraid_angle = \"25 deg\"\nwall_thickness = \"{wall}\"\n\
+             [load]\nkind = \"isometric\"\n[initial]\nlength = \"300 mm\"\n[run]\nduration = \"1 s\"\n"
+        );
+        let document = Document::parse(&text, "muscle.toml").expect("TOML");
+        let error = document.scenario().expect("readable").experiment().expect_err("a contradiction");
+        document.diagnose(&error).to_string()
+    };
+    let thick = of("6 mm");
+    assert!(thick.contains("a thinner wall, a larger diameter of the muscle at rest"), "{thick}");
+    assert!(!thick.contains("turns"), "{thick}");
+    let long = of("0.5 mm");
+    assert!(long.contains("between 0 and this limit") && !long.contains("the thread length"), "{long}");
+    assert!(of("0 mm").contains("between 0 and the thread length"));
+}
+
 #[test]
 fn a_file_that_is_not_there() {
     let found = Scenario::load("no/such/file.toml").expect_err("no such file");

@@ -446,6 +446,44 @@ fn an_isometric_load_of_a_plant_names_the_actuator_without_a_length() {
     }
 }
 
+/// What is stated for all holds for those that can use it, as if each of them stated it; what none of them can use is refused.
+#[test]
+fn a_value_of_all_holds_for_the_actuators_that_can_use_it() {
+    let motion = "{ kind = \"prescribed-motion\", length = \"88 mm\", amplitude = \"2 mm\", frequency = \"1 Hz\" }";
+    let load = "[load]\nkind = \"isometric\"\n";
+    let lengths = |all: &str, own: &str| {
+        let all = ALL.replace("[initial]\n", &format!("[initial]\n{all}"));
+        format!("{all}{load}[actuators.a]\n{own}[actuators.b]\nload = {motion}\n")
+    };
+    let length = "length = \"90 mm\"\n";
+    assert_eq!(plant(&lengths(length, "")), plant(&lengths("", "initial.length = \"90 mm\"\n")));
+    let transfer = "heat_transfer = \"0.05 W/K\"\n";
+    let air = |all: &str, own: &str| {
+        let start = ALL.replace("[initial]\n", &format!("[initial]\n{length}"));
+        format!(
+            "{start}{load}[air]\nprocess = \"energy-balance\"\n{all}[actuators.a]\n{own}[actuators.b]\n\
+             air.process = \"isentropic\"\n"
+        )
+    };
+    let of_all = plant(&air(transfer, ""));
+    assert_eq!(of_all.plant.actuators(), plant(&air("", &format!("air.{transfer}"))).plant.actuators());
+    // Without an actuator that can use it the value is refused.
+    let none = lengths(length, &format!("load = {motion}\n"));
+    let found = document(&none).plant_experiment().expect_err("no actuator uses it");
+    assert!(found.to_string().contains("`initial.length` is not used"), "{found}");
+    // What an actuator needs and cannot use stays at fault, and is not reported as missing.
+    let pair = format!(
+        "{}{load}[actuators.a]\nvalve.kind = \"fill-hold-exhaust\"\nvalve.flow_area = \"1 mm^2\"\n[actuators.b]\n",
+        ALL.replace("kind = \"pwm\"\nfrequency = \"20 Hz\"\nduty = 0.4", "kind = \"hold\"")
+            .replace("[initial]\n", &format!("[initial]\n{length}"))
+    );
+    let found = mistakes(&pair);
+    assert!(found.contains("cannot hold") && !found.contains("missing"), "{found}");
+    // What an actuator states itself it must be able to use.
+    let own = lengths(length, "").replace(&format!("load = {motion}\n"), &format!("load = {motion}\ninitial.{length}"));
+    assert!(mistakes(&own).contains("`actuators.b.initial.length` is not used with a prescribed motion"));
+}
+
 /// A mistake in what all actuators share is reported once, where it stands.
 #[test]
 fn a_mistake_of_all_is_one_mistake() {
@@ -1062,4 +1100,21 @@ fn the_schema_accepts_what_the_reading_accepts() {
     assert!(accepts(&text.replace("elbow]", "elbow]\nanlge = \"1 deg\"")).is_err());
     assert!(accepts(&text.replace("[actuators.flexor]", "[actuators.\"a b\"]")).is_err());
     assert!(accepts(&text.replace("[actuators.flexor]", "[actuator.flexor]")).is_err());
+}
+
+/// A remedy names the key of the part whose mistake it is, as a file would state it.
+#[test]
+fn remedies_name_the_keys_of_their_part() {
+    let rest = "[load]\nkind = \"isometric\"\n[initial]\nlength = \"9 cm\"\n[run]\nduration = \"0.1 s\"\n";
+    let valve = "[valve]\nkind = \"two-way\"\nflow_area = \"1 mm^2\"\n[command]\nkind = \"fill\"\n";
+    let supply = "[supplies.tank]\ngauge_pressure = \"5 bar\"\nreservoir_volume = \"1 L\"\n";
+    let hose = "[actuators.a.hose]\nlength = \"1 m\"\ndiameter = \"2 mm\"\ncells = 3\n";
+    let found = mistakes(&format!("{rest}{valve}{supply}{hose}"));
+    assert!(found.contains("set `actuators.a.hose.kind` to `distributed`"), "{found}");
+    let compressor = "compressor_displacement = \"30 L/min\"\ncut_in_gauge_pressure = \"7 bar\"\n\
+                      cut_out_gauge_pressure = \"6 bar\"\n";
+    let found = mistakes(&format!("{rest}{valve}{supply}{compressor}[actuators.a]\n"));
+    let rule = "`supplies.tank.cut_in_gauge_pressure` = 7 bar contradicts the rule that it must be less than \
+                supplies.tank.cut_out_gauge_pressure = 6 bar";
+    assert!(found.contains(rule) && !found.contains("supply.cut"), "{found}");
 }

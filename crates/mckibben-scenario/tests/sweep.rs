@@ -687,6 +687,37 @@ fn rows_leave_out_what_has_no_meaning_under_their_word() {
     assert!(found.contains("`actuator.force.end_factor` is not used"), "{found}");
 }
 
+/// Presets of which the file replaces every value change no row.
+#[test]
+fn a_preset_that_reaches_nothing_is_refused() {
+    let valve = "kind = \"three-way\"\nflow_area = \"1 mm^2\"\nefficiency = 0.8\nopening_delay = \"4 ms\"\n\
+                 closing_delay = \"2 ms\"\n";
+    let base = |valve: &str| {
+        format!(
+            "[supply]\ngauge_pressure = \"60 psi\"\n[valve]\n{valve}[command]\nkind = \"pwm\"\nfrequency = \"10 Hz\"\n\
+             duty = 0.5\n[load]\nkind = \"hanging-mass\"\nmass = \"5 lb\"\n[run]\nduration = \"0.1 s\"\n"
+        )
+    };
+    let vary = "[sweep.vary]\n\"load.mass\" = [\"2 lb\", \"5 lb\"]\n\"valve.preset\" = [\"matrix-821\", \"matrix-eight-channel\"]\n";
+    let of = |valve: &str| Document::parse(&format!("{}{vary}", base(valve)), "muscle.toml").expect("TOML").sweep();
+    let set = |valve: &str| {
+        let mut document = Document::parse(&base(valve), "muscle.toml").expect("TOML");
+        document.set_plain_from("--set", "valve.preset", "matrix-821").expect("a path");
+        document.scenario()
+    };
+    let whole = format!(
+        "{valve}dead_time = \"0 ms\"\nopening_time = \"0 ms\"\nclosing_time = \"0 ms\"\nlaminar_ratio = 0.999\n"
+    );
+    let found = of(&whole).expect_err("equal rows").to_string();
+    assert!(found.contains("`valve.preset` varies, and the file states every value"), "{found}");
+    let found = set(&whole).expect_err("reaches nothing").to_string();
+    assert!(found.contains("`valve.preset` = \"matrix-821\" is set") && found.contains("leave it out"), "{found}");
+    // One value that the preset gives is enough.
+    let part = "kind = \"three-way\"\nflow_area = \"1 mm^2\"\n";
+    of(part).unwrap_or_else(|found| panic!("{found}"));
+    set(part).unwrap_or_else(|found| panic!("{found}"));
+}
+
 #[test]
 fn mistakes_of_the_keys() {
     in_grid("\"load.mas\" = [\"1 kg\"]", Class::UnknownKey, 1, &["did you mean `\"load.mass\"`?"]);

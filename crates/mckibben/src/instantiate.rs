@@ -9,7 +9,7 @@
 //! What is called in an inner loop has no entry point, so that the compiler may inline it.
 
 use crate::error::Error;
-use crate::scalar::Real;
+use crate::scalar::{Real, Scalar};
 use crate::{
     actuator::Response,
     command::{Driver, PlantMeasurement},
@@ -55,7 +55,7 @@ macro_rules! entry_points {
 
 entry_points! {
     fn start_plant(plant: &Plant<Self>, start: &PlantStart<Self>) -> Result<Vec<Self>, Error> =
-        plant.start_with_memories(start).map(|(state, _)| state);
+        plant.start_with_memories(start, <Self as Scalar>::zero()).map(|(state, _)| state);
     fn begin_plant_run(
         plant: &Plant<Self>, start: &PlantStart<Self>, stepping: TimeStepping, drivers: Vec<Driver<Self>>
     ) -> Result<PlantRun<Self>, Error> = PlantRun::generic_begin(plant, start, stepping, drivers);

@@ -6,8 +6,8 @@ use crate::common::{PSI, Paper};
 use mckibben::air::Process;
 use mckibben::load::{Load, Motion};
 use mckibben::plant::{PlantReference, RigPlant};
-use mckibben::simulation::{InitialLength, Method, Rig, State, simulate};
-use mckibben::valve::{Command, Request};
+use mckibben::simulation::{InitialLength, Method, Rig, SampleTimes, State, simulate};
+use mckibben::valve::{Command, Request, ValveKind};
 
 /// A rig whose flow is choked throughout, so that the rates are smooth between edges: a big volume between a strong
 /// supply and the atmosphere, moving between its limits.
@@ -117,6 +117,27 @@ fn the_stable_method_keeps_its_order_where_the_volume_carries_the_pressure_acros
     });
     let order = order_at(&paper, Method::Stable, 2e-4, 0.2);
     assert!(order > 1.8, "order {order}");
+}
+
+/// Air behind a shut valve comes back to its pressure with every cycle of the length, P ∝ V^−κ. Where the fall of pressure was taken
+/// implicitly as the volume grew, and not as it shrank, each cycle left a part of its error: 0.3 % in these ten seconds of steps of 5 ms.
+#[test]
+fn the_stable_method_keeps_the_air_behind_a_shut_valve() {
+    let paper = Paper::driven(Command::Constant(Request::Hold)).gauge(2e5).with(|rig| {
+        let motion = Motion::sinusoid(0.087, 7e-3, 4.0, 0.0, rig.thread_length).expect("a motion");
+        (rig.load, rig.length) = (Load::Prescribed(motion), InitialLength::Equilibrium);
+        rig.kind = ValveKind::FillHoldExhaust;
+    });
+    let drift = |step: f64| {
+        let (rig, start) = (paper.rig(), paper.start());
+        let mut stepper = RigSteps::new(&rig, start, Method::Stable);
+        for (time, _) in SampleTimes::new(10.0, 0.25).steps(step) {
+            stepper.advance_to(time).expect("a step");
+        }
+        (stepper.state().pressure.0 / start.pressure.0 - 1.0).abs()
+    };
+    let drifts = [drift(5e-3), drift(1e-3)];
+    assert!(drifts[0] < 1.2e-3 && drifts[1] < 1.2e-5, "{drifts:?}");
 }
 
 #[test]

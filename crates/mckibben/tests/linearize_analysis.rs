@@ -184,6 +184,42 @@ fn the_air_mass_is_an_integrator_that_the_flow_reaches_and_a_force_does_not() {
     }
 }
 
+/// A system with a matrix and one input.
+fn of_input(a: Vec<Vec<f64>>, b: &[f64]) -> StateSpace {
+    let names = at_60_psi(&Paper::sealed()).system;
+    let (states, b) = (vec![names.states[0].clone(); a.len()], b.iter().map(|entry| vec![*entry]).collect());
+    StateSpace { a, states, b, c: Vec::new(), ..names }
+}
+
+/// A chain of first-order lags, each driven by the one before: an input of the k-th moves those from it on, whatever the time constants
+/// are. Powers of the matrix lost the slow ones beside fast ones.
+#[test]
+fn a_chain_of_lags_is_reached_from_its_input_on() {
+    let n = 8;
+    for rising in [true, false] {
+        let lag = |k: usize| 10_f64.powf(4.0 * (if rising { k } else { n - 1 - k }) as f64 / (n - 1) as f64 - 4.0);
+        let entry = |row: usize, column: usize| match row {
+            _ if row == column => -1.0 / lag(row),
+            _ if row == column + 1 => 1.0 / lag(row),
+            _ => 0.0,
+        };
+        let a: Vec<Vec<f64>> = (0..n).map(|row| (0..n).map(|column| entry(row, column)).collect()).collect();
+        for from in 0..n {
+            let b: Vec<f64> = (0..n).map(|row| if row == from { 1.0 / lag(row) } else { 0.0 }).collect();
+            assert_eq!(of_input(a.clone(), &b).reached(0), n - from, "from {from}, rising {rising}");
+        }
+    }
+}
+
+/// Two modes of one pole that nothing couples move in a fixed proportion; with other poles each is moved.
+#[test]
+fn equal_modes_are_moved_together() {
+    for (poles, due) in [([-3.0, -3.0], 1), ([-3.0, -3.1], 2), ([-3.0, -3e4], 2)] {
+        let reached = |b: [f64; 2]| of_input(vec![vec![poles[0], 0.0], vec![0.0, poles[1]]], &b).reached(0);
+        assert_eq!([reached([1.0, 2.0]), reached([1.0, 0.0]), reached([0.0, 0.0])], [due, 1, 0]);
+    }
+}
+
 #[test]
 fn stability_and_air_under_pwm() {
     let paper = Paper::pwm(100.0, 0.5).with(|rig| rig.delays = (1e-3, 1e-3));

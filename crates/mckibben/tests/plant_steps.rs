@@ -4,10 +4,12 @@
 use crate::common::tendon::on_tendon;
 use crate::common::{GRAVITY, PSI, Paper, assert_within};
 use mckibben::friction::Coulomb;
+use mckibben::load::{Load, Motion};
 use mckibben::mechanism::{Mass, Mechanism, Pull, Spring};
 use mckibben::plant::{Plant, PlantRun, PlantSampler, PlantStart, PlantTrajectory, TimeStepping, simulate_plant};
-use mckibben::simulation::{EventKind, Method};
+use mckibben::simulation::{EventKind, Method, PressureSeries};
 use mckibben::valve::Request;
+use std::f64::consts::FRAC_PI_2;
 
 /// The states at the end of so many equal steps.
 fn stepped(plant: &Plant, start: &PlantStart, method: Method, duration: f64, steps: u32) -> Vec<f64> {
@@ -206,6 +208,48 @@ fn a_plant_that_begins_again_has_its_commands_where_they_are_at_that_time() {
     within.advance_to(0.34).expect("a run");
     assert!(difference(&plant, within.state(), at_first.state()) > 1e-3);
     assert!(first.begin_again(&start, f64::NAN).is_err());
+}
+
+/// A motion and a pressure that are given over time are at the beginning where they are at that time, and so is the mass of air: as in a
+/// plant whose motion and pressure begin there.
+#[test]
+fn a_plant_that_begins_again_has_what_is_given_over_time_where_it_is_then() {
+    let begun = |phase: f64, times: [f64; 2], gauges: [f64; 2], again: Option<f64>| {
+        let moved = Paper::sealed().with(|rig| {
+            let motion = Motion::sinusoid(0.087, 5e-3, 2.0, phase, rig.thread_length).expect("a motion");
+            rig.load = Load::Prescribed(motion);
+        });
+        let given = PressureSeries::new(&times, &gauges).expect("a time series");
+        let rigs = [moved.clone().gauge(2e5).rig(), moved.rig().with_pressure(given).expect("a rig")];
+        rigs.map(|rig| {
+            let start = rig.start(&moved.initial()).expect("a start");
+            let (plant, start) = (Plant::of_rig(&rig), Plant::start_of_rig(&rig, &start));
+            let first = PlantRun::new(&plant, &start, 1e-9).expect("a run");
+            let run = again.map_or(first.clone(), |time| first.begin_again(&start, time).expect("a run"));
+            (plant, run.state().to_vec())
+        })
+    };
+    // A quarter of a period of the motion, and a half of the way of the pressure.
+    let again = begun(0.0, [0.0, 0.25], [1e5, 5e5], Some(0.125));
+    let there = begun(FRAC_PI_2, [0.0, 0.125], [3e5, 5e5], None);
+    for ((plant, again), (_, there)) in again.iter().zip(&there) {
+        assert!(difference(plant, again, there) < 1e-12, "{again:?} is not {there:?}");
+    }
+    // Between the rows of a table.
+    let run = |table: [[f64; 2]; 2], again: Option<f64>| {
+        let paper = Paper::sealed().with(|rig| {
+            let [time, length] = table.map(Vec::from);
+            rig.load = Load::Prescribed(Motion::table(time, length, rig.thread_length).expect("a motion"));
+        });
+        let (plant, start) = as_plant(&paper);
+        let first = PlantRun::new(&plant, &start, 1e-9).expect("a run");
+        let mut run = again.map_or(first.clone(), |time| first.begin_again(&start, time).expect("a run"));
+        run.advance_to(again.unwrap_or(0.0) + 0.2).expect("a run");
+        run.state().to_vec()
+    };
+    let (again, there) = (run([[0.1, 0.5], [0.08, 0.09]], Some(0.3)), run([[0.0, 0.2], [0.085, 0.09]], None));
+    let (plant, _) = as_plant(&Paper::sealed());
+    assert!(difference(&plant, &again, &there) < 1e-9, "{again:?} is not {there:?}");
 }
 
 #[test]

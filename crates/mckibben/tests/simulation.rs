@@ -56,6 +56,30 @@ fn loads_without_an_equilibrium_say_so() {
     assert_eq!(strong.start().length, 0.08);
 }
 
+/// Dry friction takes its sign from the motion, whatever its rate: an actuator that goes to and fro by a micrometre in hours turns where
+/// its motion turns. By (3) the force is k_sec (L − b/√3), so that friction adds Q k_sec to it or takes that away.
+#[test]
+fn friction_turns_where_a_motion_turns_however_slow_it_is() {
+    let width = 2e-4;
+    for (frequency, tolerance) in [(1.0, 1e-8), (1e-4, 1e-8), (1e-7, 1e-8), (0.1, 1e-2), (1e-3, 1e-4)] {
+        let paper = Paper::sealed().gauge(3e5).friction(0.0, width).with(|rig| {
+            let motion = Motion::sinusoid(0.087, 1e-6, frequency, 0.0, rig.thread_length).expect("a motion");
+            rig.load = Load::Prescribed(motion);
+        });
+        let run = paper.run(2.2 / frequency, tolerance);
+        for phase in (0..44).map(|step| 0.05 * (f64::from(step) + 0.5)) {
+            let sample = run.at(phase / frequency);
+            let gauge = sample.pressure.0 - ATMOSPHERE;
+            let middle = paper.thread_length / 3.0_f64.sqrt();
+            let secant = 3.0 * gauge / (4.0 * PI * paper.turns.powi(2)) * (sample.length + middle);
+            let direction = (TAU * phase).cos().signum();
+            assert_close(sample.tension, secant * (sample.length - middle + width * direction), 1e-9);
+        }
+        let turns = run.events().iter().filter(|event| event.kind == EventKind::Reversal).count();
+        assert_eq!(turns, 4, "{frequency} Hz at {tolerance}");
+    }
+}
+
 #[test]
 fn a_start_in_equilibrium_stays_there() {
     for paper in [

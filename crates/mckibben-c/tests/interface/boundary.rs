@@ -111,6 +111,55 @@ fn a_state_is_saved_copied_and_left() {
     }
 }
 
+/// A state of another plant is refused, though it has as many numbers: its valves, its air and its law need not have such a state.
+/// What the host itself does, and where the plant began, is no other plant.
+#[test]
+fn a_state_of_another_plant_is_refused() {
+    const TANK: &str = "reservoir_volume = \"200 cm^3\"";
+    let base = format!(
+        "{}[hose]\nlength = \"0.5 m\"\ndiameter = \"3 mm\"\n[actuator.friction]\ncoulomb_force = \"4 N\"\n",
+        MUSCLE.replace("[supply]", &format!("[supply]\n{TANK}"))
+    );
+    let others = [
+        ("200 cm^3", "300 cm^3", [true, true]),
+        ("100 psi", "90 psi", [true, true]),
+        ("0.5 m\"", "0.6 m\"", [true, true]),
+        ("4 N", "8 N", [true, true]),
+        ("eight-channel\"", "eight-channel\"\nopening_delay = \"9 ms\"", [true, true]),
+        // The pulses are the host's, at the frequency of the file.
+        ("25 Hz", "30 Hz", [true, true]),
+        // Where the host moves the ends there is no load.
+        ("5 lb", "6 lb", [false, true]),
+        ("duty = 0.5", "duty = 0.6", [false, false]),
+        ("40 psi", "50 psi", [false, false]),
+        ("0.1 s", "0.2 s", [false, false]),
+    ];
+    for (which, motion) in [Motion::Host, Motion::Scenario].into_iter().enumerate() {
+        let plant = read(&base, &options(motion));
+        let size = unsafe { mckibben_state_size(plant.0) };
+        let (mut state, mut before) = (vec![0.0; size], vec![0.0; size]);
+        assert_eq!(unsafe { mckibben_save(plant.0, state.as_mut_ptr(), size) }, Status::Ok, "{}", last_error());
+        for (old, new, is_other) in others {
+            assert_eq!(base.matches(old).count(), 1, "{old}");
+            let other = read(&base.replace(old, new), &options(motion));
+            assert_eq!(unsafe { mckibben_state_size(other.0) }, size, "{new}");
+            let restored = unsafe {
+                assert_eq!(mckibben_save(other.0, before.as_mut_ptr(), size), Status::Ok);
+                mckibben_restore(other.0, state.as_ptr(), size)
+            };
+            if !is_other[which] {
+                assert_eq!(restored, Status::Ok, "{new}: {}", last_error());
+                continue;
+            }
+            assert_eq!(restored, Status::Input, "{new}");
+            assert!(last_error().contains("the state is of another plant"), "{}", last_error());
+            let mut after = vec![0.0; size];
+            assert_eq!(unsafe { mckibben_save(other.0, after.as_mut_ptr(), size) }, Status::Ok);
+            assert_eq!(after, before, "{new}: where it was");
+        }
+    }
+}
+
 /// A reset returns to where the plant began, and a copy to where the copied plant did.
 #[test]
 fn a_reset_returns_to_where_the_plant_began() {
@@ -318,7 +367,9 @@ fn wrong_use_is_refused_and_changes_nothing() {
         refused(mckibben_begin_at(plant.0, null(), null(), 0), Status::Count, "distances");
         refused(mckibben_save(plant.0, numbers.as_mut_ptr(), 1), Status::Count, "mckibben_state_size");
         refused(mckibben_restore(plant.0, numbers.as_ptr(), size + 1), Status::Count, "mckibben_state_size");
-        refused(mckibben_restore(plant.0, vec![nan; size].as_ptr(), size), Status::Input, "no state");
+        refused(mckibben_restore(plant.0, vec![nan; size].as_ptr(), size), Status::Input, "of another plant");
+        let behind_mark = [&before[..1], &vec![nan; size - 1]].concat();
+        refused(mckibben_restore(plant.0, behind_mark.as_ptr(), size), Status::Input, "no state");
         refused(mckibben_output_index(plant.0, c"pressure".as_ptr(), &raw mut index), Status::Input, "give one of");
         refused(mckibben_output_index(plant.0, c"\xff".as_ptr(), &raw mut index), Status::Input, "UTF-8");
         refused(mckibben_command_describe(plant.0, 1, null_mut()), Status::Input, "no command 1");

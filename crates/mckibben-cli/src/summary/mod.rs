@@ -510,9 +510,9 @@ impl Page {
             ("equilibrium", given(orbit.periods as f64 * orbit.period, "s"))
         };
         let found = match orbit.guesses {
-            0 => format!("reached after {after}"),
-            1 => format!("found by 1 guess in {after}"),
-            guesses => format!("found by {} guesses in {after}", count(guesses)),
+            0 => format!("reached {after} after the end of the run"),
+            1 => format!("found by 1 guess in {after} after the end of the run"),
+            guesses => format!("found by {} guesses in {after} after the end of the run", count(guesses)),
         };
         self.line(name, &found);
         let is_main = |row: &&Settling| {

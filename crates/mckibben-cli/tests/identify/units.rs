@@ -161,6 +161,11 @@ fn loops_in_other_units_are_refused() {
     let (code, text) = ended(&folder, &of_loops(si));
     assert_eq!(code, Some(0), "{text}");
     assert!(!text.contains("is more than its readings scatter"), "{text}");
+    assert!(!text.contains("not used"), "{text}");
+    let warm = "[columns.temperature]\nname = \"temperature_k\"\nunit = \"K\"\n";
+    let (code, text) = ended(&folder, &format!("{}{warm}", of_loops(si)));
+    let unused = "the temperature is not used: a study of the kind \"hysteresis\" does not read it";
+    assert!(code == Some(0) && text.contains(unused), "{code:?} {text}");
     for (units, words) in [
         (["m", "mbar", "N"], "the gauge pressure is in Pa, where mbar was said"),
         (["m", "Pa", "lbf"], "the tension is in N, where lbf was said"),

@@ -327,6 +327,60 @@ actuators.paper.valve.flow_area = ["0.1 mm^2", "0.15 mm^2"]
     }
 }
 
+/// An inlet that is always open is a valve of the air network, a check valve is none: rows of both are one table, whichever is first.
+#[test]
+fn rows_whose_networks_differ_are_those_of_simulate() {
+    let folder = Folder::new("plant-sweep-inlet");
+    let text = r#"
+[supplies.tank]
+gauge_pressure = "5 bar"
+reservoir_volume = "1 L"
+[supplies.man]
+from = "tank"
+gauge_pressure = "2 bar"
+reservoir_volume = "20 cm^3"
+inlet.flow_area = "1 mm^2"
+[valve]
+kind = "two-way"
+flow_area = "1 mm^2"
+[command]
+kind = "fill"
+[load]
+kind = "isometric"
+[initial]
+length = "90 mm"
+[actuators.a]
+preset = "colbrunn-2001"
+supply = "man"
+[run]
+duration = "50 ms"
+sample_interval = "10 ms"
+"#;
+    let reductions =
+        "[sweep]\nreductions = [\"a.gauge_pressure.final\", \"man.absolute_pressure.final\"]\n[sweep.vary]\n";
+    let single = folder.file("single.toml", text).display().to_string();
+    for kinds in [["open", "check-valve"], ["check-valve", "open"]] {
+        let vary = format!("\"supplies.man.inlet.kind\" = [\"{}\", \"{}\"]\n", kinds[0], kinds[1]);
+        let file = folder.file("sweep.toml", &format!("{text}{reductions}{vary}")).display().to_string();
+        run(&folder, &["sweep", &file, "-o", "sweep.csv"]);
+        let (_, swept) = columns(&folder, "sweep.csv");
+        let samples = ["--record", "samples", "-s", "sweep.sample_times=[\"50 ms\"]", "-o", "samples.csv"];
+        run(&folder, &[&["sweep", &file][..], &samples].concat());
+        let (_, sampled) = columns(&folder, "samples.csv");
+        for (row, kind) in kinds.into_iter().enumerate() {
+            run(&folder, &["simulate", &single, "-o", "one.csv", "--set", &format!("supplies.man.inlet.kind={kind}")]);
+            let (_, one) = columns(&folder, "one.csv");
+            for (reduced, column) in [
+                ("a_gauge_pressure_final_pa", "a.gauge_pressure_pa"),
+                ("man_absolute_pressure_final_pa", "man.absolute_pressure_pa"),
+            ] {
+                let last = *one[column].last().expect("rows");
+                assert_eq!([swept[reduced][row], sampled[column][row]], [last; 2], "{kind}: {column}");
+            }
+        }
+    }
+}
+
 /// How far a controller misses, over a gain in the unit of what it regulates.
 #[test]
 fn a_sweep_varies_a_controller() {

@@ -37,6 +37,8 @@ const APART: [f64; 3] = [1e2, 1e3, 1e1];
 const SLIPS: usize = 20;
 /// Fewer other readings than this do not say what can be.
 const OTHERS: usize = 4;
+/// Part by which the mean rate of readings and that of their median step differ where both are reported.
+const UNEVEN: f64 = 0.01;
 /// How many times as long as all other steps together a step in time is that cannot be.
 const JUMP: f64 = 1e3;
 /// Standard deviations of the noise at or below which a tension is none; and the part of the largest tension that they are at most, where
@@ -350,10 +352,13 @@ impl Work<'_> {
     fn rate(&mut self, times: &[f64]) {
         let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let (Some(usual), Some(largest)) = (median(&steps), steps.iter().copied().reduce(f64::max)) else { return };
-        let rate = 1.0 / usual;
-        // As many digits as it takes, of six.
-        let rate = (1e6 * rate).round() / 1e6;
-        self.note(Severity::Noted, format!("{}, {rate} a second", readings(times.len())));
+        let duration = times[times.len() - 1] - times[0];
+        let [mean, usually] = [steps.len() as f64 / duration, 1.0 / usual].map(|rate| rounded(rate, 6));
+        let rates = match (mean / usually - 1.0).abs() < UNEVEN {
+            true => format!("{mean} a second"),
+            false => format!("{mean} a second on average, {usually} by the median step"),
+        };
+        self.note(Severity::Noted, format!("{}, {rates}", readings(times.len())));
         if largest > 5.0 * usual {
             let at = steps.iter().position(|step| *step == largest).unwrap_or(0);
             self.note(Severity::Warned, format!("a gap of {largest:.4} s after {:.4} s", times[at]));
@@ -506,7 +511,7 @@ impl Work<'_> {
         if count > 0 {
             let end = match noise {
                 Some(noise) => {
-                    let [end, noise] = [end, noise].map(|tension| format!("{tension:.2e}").parse().unwrap_or(tension));
+                    let [end, noise] = [end, noise].map(|tension| rounded(tension, 3));
                     format!("{end} N, three times the noise of {noise} N")
                 }
                 None => format!("{end} N"),
@@ -542,6 +547,11 @@ fn noise_about_zero(tensions: &[f64]) -> Option<f64> {
         _ => deviation(below),
     };
     (noise > 0.0 && WITHIN_NOISE * noise <= MOST_NOISE * largest).then_some(noise)
+}
+
+/// A number with so many digits.
+fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
 }
 
 /// A number of readings in words.

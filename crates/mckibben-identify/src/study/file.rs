@@ -160,6 +160,9 @@ pub struct FitEntry {
     pub per_session: bool,
 }
 
+/// How the path of a number of a sensor begins in [fit].
+const OF_COLUMNS: &str = "columns.";
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
@@ -348,7 +351,16 @@ impl Study {
             per_run: raw.per_run,
             per_session: raw.per_session,
         });
-        let fit_entries: Vec<FitEntry> = fit_entries.collect();
+        let mut fit_entries: Vec<FitEntry> = fit_entries.collect();
+        for entry in fit_entries.iter_mut().filter(|entry| entry.path.starts_with(OF_COLUMNS)) {
+            // A column of a part is in quotes in [columns], and may be so here.
+            entry.path.retain(|letter| letter != '"');
+        }
+        fit_entries.sort_by(|one, other| one.path.cmp(&other.path));
+        if let Some(pair) = fit_entries.windows(2).find(|pair| pair[0].path == pair[1].path) {
+            let what = format!("`{}` is in [fit] twice, with and without quotes", pair[0].path);
+            return Err(within.fault(None, what, "leave one of them out"));
+        }
         let is_own = |entry: &&FitEntry| entry.per_run || entry.per_session;
         if let Some(entry) = fit_entries.iter().find(|entry| is_own(entry) && head.kind != Kind::Trajectories) {
             let owner = if entry.per_run { "per_run" } else { "per_session" };
@@ -358,7 +370,7 @@ impl Study {
         if let Some(entry) = fit_entries.first() {
             within.read_by(&format!("[fit.\"{}\"]", entry.path), None, head.kind, &Kind::OF_NUMBERS)?;
         }
-        let is_of_sensor = |entry: &&FitEntry| entry.path.starts_with("columns.");
+        let is_of_sensor = |entry: &&FitEntry| entry.path.starts_with(OF_COLUMNS);
         if let Some(entry) = fit_entries.iter().find(is_of_sensor).filter(|_| head.kind != Kind::Trajectories) {
             let what =
                 format!("`{}` in [fit] is a parameter of a sensor, which only trajectories estimate", entry.path);

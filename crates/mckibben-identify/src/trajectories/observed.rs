@@ -8,7 +8,7 @@ use mckibben::plant::Plant;
 use mckibben_scenario::{PlantExperiment, PlantQuantity};
 use std::sync::Arc;
 
-/// The quantity of a time series; length, pressure and tension of a joint are its agonist's.
+/// The quantity of a time series; length, pressure, tension, temperature and mass flow of a joint are its agonist's.
 #[derive(Clone, Debug, Eq, Hash, PartialEq)]
 pub enum Observed {
     /// Distance between the attachments in m.
@@ -31,6 +31,10 @@ pub enum Observed {
     AntagonistTension,
     /// Gauge pressure in Pa at the end of the hose that the valve opens into.
     HoseGaugePressure,
+    /// Temperature of the air in the actuator in K.
+    Temperature,
+    /// Mass flow into it in kg/s.
+    MassFlow,
     /// A column of a plant whose parts have names.
     Column(Arc<ObservedColumn>),
 }
@@ -48,7 +52,7 @@ pub struct ObservedColumn {
 
 impl Observed {
     /// Those of one actuator or joint.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::Length,
         Self::GaugePressure,
         Self::Tension,
@@ -59,6 +63,8 @@ impl Observed {
         Self::AntagonistGaugePressure,
         Self::AntagonistTension,
         Self::HoseGaugePressure,
+        Self::Temperature,
+        Self::MassFlow,
     ];
 
     /// A column of a plant, as its file calls the part, if there is one.
@@ -81,6 +87,8 @@ impl Observed {
             Self::AntagonistGaugePressure => Quantity::AntagonistGaugePressure,
             Self::AntagonistTension => Quantity::AntagonistTension,
             Self::HoseGaugePressure => Quantity::HoseGaugePressure,
+            Self::Temperature => Quantity::Temperature,
+            Self::MassFlow => Quantity::MassFlow,
             Self::Column(column) => column.measured,
         }
     }
@@ -126,6 +134,8 @@ impl Observed {
                 let first = plant.network().nodes.iter().position(|node| is_hose(&node.kind))?;
                 (Q::NodePressure(first), true)
             }
+            Self::Temperature => (Q::Temperature(actuator), false),
+            Self::MassFlow => (Q::MassFlow(actuator), false),
             Self::Angle => (Q::Position(0, 0), false),
             Self::AngularVelocity => (Q::Rate(0, 0), false),
             Self::Torque => (Q::Force(0, 0), false),

@@ -65,6 +65,8 @@ pub struct Identified {
     pub left: Vec<(Observed, f64)>,
     /// Scale by which each quantity was weighed.
     pub scales: Vec<(Observed, f64)>,
+    /// Whether the search was ended from outside while quantities without a known deviation were still weighed by their spans.
+    pub weighed_by_spans: bool,
     /// Quantities without a known deviation whose scale and residual differ although they were weighed again and again.
     pub unsettled: Vec<Observed>,
     /// The runs with these values, up to their last reading.
@@ -80,7 +82,7 @@ pub struct Identified {
 pub enum TrajectoryError {
     /// No readings.
     #[error(
-        "there are no readings of length, gauge pressure or tension, nor of a joint; name their columns in [columns]"
+        "there are no readings of length, pressure, tension, temperature or mass flow, nor of a joint; name their columns in [columns]"
     )]
     NoReadings,
     /// Readings of a joint in a run of one actuator.
@@ -282,6 +284,7 @@ impl Task {
         // Weigh each quantity by its residual, and go on from there. A fit that leaves a poor place behind leaves other residuals than
         // those that it was weighed by, so that they are weighed again.
         let mut unsettled = Vec::new();
+        let mut is_weighed = all_known;
         for weighing in 0..=WEIGHINGS {
             if all_known || search.monitor.is_stopped() {
                 break;
@@ -319,8 +322,10 @@ impl Task {
                 runs.scales = rough;
                 break;
             };
+            is_weighed = true;
             found = (Found { fit: polished.fit, ..found.0 }, joined);
         }
+        let weighed_by_spans = !is_weighed && search.monitor.is_stopped();
         if search.monitor.is_stopped() {
             unsettled.clear();
         }
@@ -343,7 +348,7 @@ impl Task {
         let left = scatter.into_iter().map(|(of, residual)| (of.clone(), residual * runs.scale(&of))).collect();
         let scales = runs.scales;
         let stopped = self.search.monitor.ending();
-        Ok(Identified { found, scenarios, left, scales, unsettled, simulated, segments, stopped })
+        Ok(Identified { found, scenarios, left, scales, weighed_by_spans, unsettled, simulated, segments, stopped })
     }
 
     /// The best values from these starts, with the runs in segments where they cannot be fitted whole.

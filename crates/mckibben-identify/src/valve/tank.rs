@@ -20,12 +20,24 @@
 //! C and V cannot both be found from a pressure: a tank twice as large behind twice the valve has the same. The temperature
 //! at the start is that of the tank's wall.
 //!
+//! With an unknown heat transfer the sum of squares has several minima, since b and h A can stand in for each other. The
+//! search begins at the guesses and on a grid of b and of the heat transfer over the heat that flows with the air,
+//!
+//! ```text
+//! h = h A τ/(m c_v)    τ = P/|dP/dt|,    n = 1 + (γ − 1)/(1 + h),    C ρ₀ √(T₀/T) P₁ ψ(r, b) = ṁ = V |dP/dt|/(n R T)
+//! ```
+//!
+//! where C and h A follow from the first fall or rise of the pressure, so that they do not depend on the guesses: of still
+//! air (h = 0) the rate is that of an adiabatic tank, at its wall's temperature (h → ∞) that of an isothermal one.
+//!
+//! Where every sample may be choked, b has no effect: [`TankFit::all_choked`].
+//!
 //! Source: ISO 6358-2:2019 names the two tests; the isothermal tank is that of EP 1847812. Checked by `tests/valve.rs`.
 
 use super::ValveError;
 use super::steady::{LAMINAR_RATIO, SteadyPoint, check_pressure};
 use crate::adjustable::Seeded;
-use crate::least_squares::{Estimate, Evaluation, Fit, Model, Search, Unknown, fit_from};
+use crate::least_squares::{self, Estimate, Evaluation, Fit, Model, Search, Unknown, fit_from};
 use crate::series::{self, Polynomial};
 use mckibben::air::{Air, Process};
 use mckibben::force::{Characteristic, Effective, Effectiveness, IdealBraid, LengthLimits};
@@ -42,9 +54,19 @@ use mckibben::{AbsolutePressure, Actuator, Braid, GaugePressure, Over, Scalar};
 const LEAST_SAMPLES: usize = 8;
 /// Samples of a window, for a cubic and some to spare.
 const LEAST_IN_WINDOW: usize = 6;
-/// Where the search begins in addition to the guesses when b and the heat transfer are unknown, which can stand in for
-/// each other: b, and parts of the guess of the heat transfer.
-const STARTS: ([f64; 4], [f64; 3]) = ([0.15, 0.3, 0.45, 0.6], [0.3, 1.0, 3.0]);
+/// Where the search begins in addition to the guesses when b and the heat transfer are unknown: b, and h of the heat transfer.
+const STARTS: ([f64; 2], [f64; 5]) = ([0.2, 0.45], [0.1, 0.3, 1.0, 3.0, 10.0]);
+/// Part of the change of the pressure from which C of a start follows, and the largest pressure ratio of its flow.
+const FIRST_PART: f64 = 0.2;
+const NEARLY_EQUAL: f64 = 0.99;
+/// The least and the largest b that are searched.
+const RATIOS: [f64; 2] = [-0.5, 0.95];
+/// Part of the largest pressure ratio by which b is above it where every sample is choked: above the error of a trajectory.
+const CHOKED: f64 = 1e-6;
+/// Halves of the interval of b within which the largest pressure ratio is worth a search in which every sample is choked.
+const WORTH: f64 = 4.0;
+/// The quantile of χ² of one degree of freedom at 95 %: so much more a single unknown that is held may leave by chance.
+const BY_CHANCE: f64 = 3.841;
 /// Relative tolerance of the trajectories.
 const TOLERANCE: f64 = 1e-9;
 /// A braid so thin that it is negligible relative to the tank: thread length and length in m, turns.
@@ -159,6 +181,9 @@ pub struct TankFit {
     pub scatter: f64,
     /// Of each record: that standard deviation in Pa, and the noise of its samples, estimated from their neighbours.
     pub of_records: Vec<[f64; 2]>,
+    /// Whether the data do not contradict that every sample was choked. Then b is not identifiable, and [`TankFit::critical_ratio`]
+    /// is the least that it can be: the largest pressure ratio of the records.
+    pub all_choked: bool,
     /// The least squares behind it.
     pub fit: Fit,
 }
@@ -198,7 +223,7 @@ impl Tank {
     }
 
     /// Fits the simulated pressure to a record; with `heat`, the heat transfer too, of air with an energy balance: then from
-    /// several starts, since b and the heat transfer can stand in for each other.
+    /// several starts that follow from the data, since b and the heat transfer can stand in for each other.
     ///
     /// # Errors
     /// As [`Tank::fit_together`].
@@ -229,7 +254,7 @@ impl Tank {
                     Unknown::new("sonic_conductance", "m^3/(s*Pa)", sonic_conductance)
                         .between(1e-3 * sonic_conductance, 1e3 * sonic_conductance),
                 );
-                unknowns.push(Unknown::new("critical_ratio", "", critical_ratio).between(-0.5, 0.95));
+                unknowns.push(Unknown::new("critical_ratio", "", critical_ratio).between(RATIOS[0], RATIOS[1]));
             }
             TankUnknown::Volume { .. } => {
                 rows.push(&parameter::EXTERNAL_VOLUME);
@@ -253,7 +278,11 @@ impl Tank {
         };
         let trajectories = runs.iter().map(trajectory).collect::<Result<Vec<_>, ValveError>>()?;
         let together = Together { trajectories, rows };
-        let fit = fit_from(&together, &unknowns, &starts(&unknowns), &Search::default())?.fit.on_bounds(&together);
+        let starts = starts(runs[0], &unknowns);
+        let fit = fit_from(&together, &unknowns, &starts, &Search::default())?.fit.on_bounds(&together);
+        let choked = together.choked(&unknowns, &fit);
+        let all_choked = choked.is_some();
+        let fit = choked.unwrap_or(fit);
         let of = |name: &str| fit.estimates.iter().find(|estimate| estimate.name == name).cloned();
         if let Some(ratio) = of("critical_ratio") {
             let reaches = ratio.confidence_interval.unwrap_or([ratio.value; 2]);
@@ -268,6 +297,7 @@ impl Tank {
             heat_transfer: of("heat_transfer"),
             scatter: together.scatter(&fit),
             of_records: together.of_records(&fit),
+            all_choked,
             fit,
         })
     }
@@ -327,17 +357,61 @@ impl Tank {
     }
 }
 
-/// More starts than the guesses: of a valve whose heat transfer is unknown too.
-fn starts(unknowns: &[Unknown]) -> Vec<Vec<f64>> {
+/// More starts than the guesses, of a valve whose heat transfer is unknown too: C and h A by the first change of the pressure in a run.
+fn starts((tank, record): (Tank, &TankRecord), unknowns: &[Unknown]) -> Vec<Vec<f64>> {
     let place = |name: &str| unknowns.iter().position(|unknown| unknown.name == name);
-    let Some((ratio, heat)) = place("critical_ratio").zip(place("heat_transfer")) else { return Vec::new() };
-    let start = |b: f64, part: f64| {
+    let places = place("sonic_conductance").zip(place("critical_ratio")).zip(place("heat_transfer"));
+    let (Some(((conductance, ratio), heat)), Some(first)) = (places, FirstChange::of(&tank, record)) else {
+        return Vec::new();
+    };
+    let start = |b: f64, h: f64| {
         let mut start: Vec<f64> = unknowns.iter().map(|unknown| unknown.start).collect();
-        start[ratio] = b;
-        start[heat] *= part;
+        (start[conductance], start[ratio], start[heat]) = (first.conductance(&tank, b, h), b, first.heat(&tank, h));
         start
     };
-    STARTS.0.iter().flat_map(|b| STARTS.1.map(|part| start(*b, part))).collect()
+    STARTS.0.iter().flat_map(|b| STARTS.1.map(|h| start(*b, h))).collect()
+}
+
+/// The first change of the pressure in a tank, in Pa/s, and the pressure in Pa halfway.
+struct FirstChange {
+    rate: f64,
+    pressure: f64,
+}
+
+impl FirstChange {
+    /// By the chord over the first part of the change; none where the pressure does not change.
+    fn of(tank: &Tank, record: &TankRecord) -> Option<Self> {
+        let from = record.first_guess();
+        let change = |pressure: &f64| match tank.transfer {
+            Transfer::Charge { .. } => pressure - from,
+            Transfer::Discharge => from - pressure,
+        };
+        let most = record.pressure.iter().map(change).fold(0.0, f64::max);
+        let first = record.pressure.iter().position(|pressure| change(pressure) >= FIRST_PART * most)?;
+        let (duration, pressure) = (record.time[first] - record.opened, record.pressure[first]);
+        (most > 0.0 && duration > 0.0)
+            .then(|| Self { rate: change(&pressure) / duration, pressure: 0.5 * (from + pressure) })
+    }
+
+    /// C in m³/(s·Pa) of a valve with this b, where h of the heat transfer is such.
+    fn conductance(&self, tank: &Tank, b: f64, h: f64) -> f64 {
+        let index = 1.0 + (tank.air.heat_capacity_ratio() - 1.0) / (1.0 + h);
+        let inside = AbsolutePressure(self.pressure);
+        let (upstream, downstream, temperature) = match tank.transfer {
+            Transfer::Charge { supply, temperature } => (supply, inside, temperature),
+            Transfer::Discharge => (inside, tank.air.atmosphere(), tank.temperature),
+        };
+        let mass_flow = tank.air.mass(AbsolutePressure(self.rate), tank.volume, temperature) / index;
+        let point = SteadyPoint { upstream, downstream, temperature, mass_flow };
+        let beyond = (point.ratio().min(NEARLY_EQUAL) - b).max(0.0) / (1.0 - b);
+        point.conductance() / (1.0 - beyond * beyond).sqrt()
+    }
+
+    /// Heat transfer in W/K of which h is such: m/τ is the mass of air whose pressure is the rate, each second.
+    fn heat(&self, tank: &Tank, h: f64) -> f64 {
+        let specific_heat = tank.air.gas_constant() / (tank.air.heat_capacity_ratio() - 1.0);
+        h * specific_heat * tank.air.mass(AbsolutePressure(self.rate), tank.volume, tank.temperature)
+    }
 }
 
 /// More directions than there are unknowns; the engine is compiled for these anyway.
@@ -400,10 +474,72 @@ impl Together {
         self.counts().map(of).collect()
     }
 
+    /// The largest ratio of downstream to upstream pressure on the fitted trajectories.
+    fn largest_ratio(&self, fit: &Fit) -> f64 {
+        let mut residuals = fit.residuals.iter();
+        let mut largest = 0.0_f64;
+        for of in &self.trajectories {
+            for (measured, residual) in of.record.pressure.iter().zip(residuals.by_ref()) {
+                let inside = measured + of.noise * residual;
+                largest = largest.max(match of.tank.transfer {
+                    Transfer::Charge { supply, .. } => inside / supply.0,
+                    Transfer::Discharge => of.tank.air.atmosphere().0 / inside,
+                });
+            }
+        }
+        largest
+    }
+
+    /// The fit in which every sample is choked, where the data do not contradict that: b has no effect there, and its value is the
+    /// least of those that are as good.
+    fn choked(&self, unknowns: &[Unknown], fit: &Fit) -> Option<Fit> {
+        let place = unknowns.iter().position(|unknown| unknown.name == "critical_ratio")?;
+        let (ratio, b) = (self.largest_ratio(fit), &fit.estimates[place]);
+        // Near choked flow b has hardly an effect, and the linear interval is too short: several of it say where a search is worth it.
+        let reach = b.confidence_interval.map_or(0.0, |[_, most]| most - b.value);
+        if b.value + WORTH * reach < ratio || ratio >= RATIOS[1] {
+            return None;
+        }
+        let (mut from, mut others) = (fit.values(), unknowns.to_vec());
+        from.remove(place);
+        others.remove(place);
+        let holding = Holding { model: self, place, value: ratio };
+        let held =
+            least_squares::fit(&holding, &least_squares::starting_at(&others, &from), &Search::default()).ok()?;
+        if b.value < ratio && (held.cost - fit.cost) * fit.degrees_of_freedom as f64 > BY_CHANCE * fit.cost {
+            return None;
+        }
+        let mut values = held.values();
+        values.insert(place, ratio.max(self.largest_ratio(&held)) * (1.0 + CHOKED));
+        Some(least_squares::fitted(self, unknowns, &Search::default(), values))
+    }
+
     fn scatter(&self, fit: &Fit) -> f64 {
         let squares =
             self.of_records(fit).into_iter().zip(self.counts()).map(|([own, _], (count, _))| count as f64 * own * own);
         (squares.sum::<f64>() / self.residuals() as f64).sqrt()
+    }
+}
+
+/// A model with one of its unknowns held.
+struct Holding<'a> {
+    model: &'a Together,
+    place: usize,
+    value: f64,
+}
+
+impl Model for Holding<'_> {
+    fn residuals(&self) -> usize {
+        self.model.residuals()
+    }
+
+    fn evaluate(&self, values: &[f64]) -> Evaluation {
+        let mut all = values.to_vec();
+        all.insert(self.place, self.value);
+        let Evaluation { residuals, mut slopes } = self.model.evaluate(&all);
+        let mut at = 0..;
+        slopes.retain(|_| at.next().is_none_or(|at| at % all.len() != self.place));
+        Evaluation { residuals, slopes }
     }
 }
 

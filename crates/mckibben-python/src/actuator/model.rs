@@ -2,7 +2,6 @@
 
 use super::state::{ActuatorState, HEAD};
 use crate::arguments;
-use crate::mark::mark;
 use crate::scenario::Scenario;
 use crate::typed::{PRESSURE, RequestWord, SHARE, is_truth, kind, si_of_text};
 use mckibben::plant::{Plant, PlantRow, PlantRun, PlantStart, PlantSteps};
@@ -10,8 +9,8 @@ use mckibben::simulation::Method;
 use mckibben::valve::{Request, RuntimeCommand};
 use mckibben::{Error, GaugePressure};
 use mckibben_run::failure::Failure;
-use mckibben_run::host::Pulses;
-use mckibben_scenario::{Experiment, InitialLength, Load};
+use mckibben_run::host::{Motion, Pulses, mark};
+use mckibben_scenario::{Document, Experiment, InitialLength, Load};
 use pyo3::exceptions::PyTypeError;
 use pyo3::inspect::PyStaticExpr;
 use pyo3::prelude::*;
@@ -61,7 +60,9 @@ impl Model {
         let text = alone
             .as_ref()
             .map_or_else(|| scenario.of_one().map(mckibben_scenario::Scenario::to_toml), |of| Ok(of.to_toml()))?;
-        Ok(Self { steps, begin, size, pulses, mark: mark(&text, &pulses.frequency.to_string()) })
+        let described = Document::parse(&text, document.source().name())?;
+        let mark = mark(described, &[], &pulses.frequency.to_string(), Motion::Host);
+        Ok(Self { steps, begin, size, pulses, mark })
     }
 
     /// The command that a number is, in the kind of the valve.

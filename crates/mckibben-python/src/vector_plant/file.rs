@@ -5,10 +5,10 @@ use crate::scenario::Scenario;
 use mckibben::parameter::{self, Parameter};
 use mckibben::plant::{Plant, PlantStart, plant_step_for_accuracy};
 use mckibben::simulation::Method;
-use mckibben::valve::{Command, Solenoid};
+use mckibben::valve::Solenoid;
 use mckibben_identify::adjustable::Adjustable;
 use mckibben_run::failure::Failure;
-use mckibben_run::host::{experiment_of_one, open};
+use mckibben_run::host::{CommandInput, CommandMode, command_inputs, experiment_of_one, open};
 use mckibben_scenario::{Document, PlaceError, PlantExperiment, PlantPlace, Run};
 use pyo3::prelude::*;
 
@@ -27,14 +27,14 @@ pub(super) struct File {
     begin: Begin,
     /// The valves that actions go to, by their indices in the network: those of the actuators, in their order.
     pub(super) valves: Vec<usize>,
+    /// What actions are at each of them.
+    pub(super) modes: Vec<CommandMode>,
     /// The names of the actuators behind each of them.
     pub(super) owners: Vec<String>,
     pub(super) columns: Vec<Column>,
     pub(super) run: Run,
     /// The longest step in s.
     pub(super) step: f64,
-    /// The commands of the valves in the file.
-    pub(super) commands: Vec<Command>,
 }
 
 /// How numbers are put into the file.
@@ -57,12 +57,17 @@ pub(super) fn columns_of(scenario: &Scenario) -> Result<Vec<Column>, Failure> {
 }
 
 impl File {
-    /// Reads the plant, and finds the numbers at these paths.
-    pub(super) fn read(scenario: Py<Scenario>, by: &[String]) -> Result<Self, Failure> {
+    /// Reads the plant, whose valves take actions of a mode, pulsed at a frequency in Hz or as in the file, and finds the numbers at these
+    /// paths.
+    pub(super) fn read(
+        scenario: Py<Scenario>,
+        by: &[String],
+        (mode, pulse_frequency): (&str, Option<f64>),
+    ) -> Result<Self, Failure> {
         let Scenario { document, .. } = scenario.get();
         let refused = |error: PlaceError| Failure::input(error.to_string(), "name another in `parameters`");
         let failed = |error: mckibben::Error| Failure::of_core(&error, document);
-        let (numbers, given, begin, run, valves, owners, columns);
+        let (numbers, given, begin, run, inputs, owners, columns);
         match scenario.get().understood() {
             Some(understood) => {
                 let mut base = open(understood);
@@ -72,8 +77,8 @@ impl File {
                 given = places.iter().map(|place| place.value(&mut base).unwrap_or(f64::NAN)).collect();
                 let experiment = experiment_of_one(&base).map_err(failed)?;
                 (run, columns) = (base.run, columns::of_short(&experiment.plant));
-                valves = (0..experiment.plant.network().valves.len()).collect::<Vec<_>>();
-                owners = owners_of(&experiment, &valves);
+                inputs = inputs_of(&experiment, mode, pulse_frequency)?;
+                owners = owners_of(&experiment, &inputs);
                 begin = Begin { plant: experiment.plant, start: experiment.start };
                 let said = document.says_of_each(parameter::MIN_LENGTH.key);
                 numbers = Numbers::Short(Box::new(Adjustable::new(base, places, said)));
@@ -84,8 +89,8 @@ impl File {
                 let experiment = named(document)?;
                 given = places.iter().map(PlantPlace::value).collect();
                 (run, columns) = (experiment.run, columns::of_named(&experiment));
-                valves = valves_of(&experiment);
-                owners = owners_of(&experiment, &valves);
+                inputs = inputs_of(&experiment, mode, pulse_frequency)?;
+                owners = owners_of(&experiment, &inputs);
                 begin = Begin { plant: experiment.plant, start: experiment.start };
                 numbers = Numbers::Named(places);
             }
@@ -95,9 +100,10 @@ impl File {
             plant_step_for_accuracy(of, &Vec::new, times, run.core_method(), run.accuracy).map(|chosen| chosen.step)
         };
         let step = run.step.map_or_else(chosen, Ok).map_err(failed)?;
-        let commands = valves.iter().map(|valve| begin.plant.network().valves[*valve].command.clone()).collect();
+        let (valves, modes): (Vec<usize>, Vec<CommandMode>) =
+            inputs.iter().map(|input| (input.valve, input.mode)).unzip();
         let begin = Begin { plant: begin.plant.without_commands(&valves), ..begin };
-        Ok(Self { scenario, numbers, given, begin, valves, owners, columns, run, step, commands })
+        Ok(Self { scenario, numbers, given, begin, valves, modes, owners, columns, run, step })
     }
 
     /// The formula of a step.
@@ -176,25 +182,26 @@ impl File {
     }
 }
 
-/// The valves of the actuators of a plant, each once.
-fn valves_of(experiment: &PlantExperiment) -> Vec<usize> {
-    let mut valves = Vec::new();
-    for valve in experiment.names.valves.iter().copied().flatten() {
-        if !valves.contains(&valve) {
-            valves.push(valve);
-        }
+/// The valves that actions of a mode go to. All are pulsed at one frequency, which the phase of an observation is of, each with the
+/// requests that its PWM has.
+fn inputs_of(
+    experiment: &PlantExperiment,
+    mode: &str,
+    pulse_frequency: Option<f64>,
+) -> Result<Vec<CommandInput>, Failure> {
+    let inputs = |frequency| command_inputs(experiment, ("action_mode", Some(mode)), frequency);
+    let each = inputs(pulse_frequency)?;
+    // That of the first valve is that of the first PWM, which a valve under another command takes.
+    match each.first().and_then(|first| first.mode.pulse_frequency()) {
+        Some(common) => inputs(Some(common)),
+        None => Ok(each),
     }
-    valves
 }
 
-/// The names of the actuators behind each of these valves.
-fn owners_of(experiment: &PlantExperiment, valves: &[usize]) -> Vec<String> {
-    let names = &experiment.names;
-    let of = |valve: &usize| {
-        let own = names.actuators.iter().zip(&names.valves).filter(|(_, its)| **its == Some(*valve));
-        own.map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", ")
-    };
-    valves.iter().map(of).collect()
+/// The names of the actuators behind each valve.
+fn owners_of(experiment: &PlantExperiment, inputs: &[CommandInput]) -> Vec<String> {
+    let name = |actuator: &usize| experiment.names.actuators[*actuator].as_str();
+    inputs.iter().map(|input| input.actuators.iter().map(name).collect::<Vec<_>>().join(", ")).collect()
 }
 
 /// The plant of a file of one actuator or of a joint.

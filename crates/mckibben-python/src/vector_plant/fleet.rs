@@ -16,7 +16,6 @@ const PER_STATE: usize = 64;
 /// Plants of one file that go through time together. An error stands with the number of its plant.
 pub(super) struct Fleet {
     file: File,
-    action_mode: CommandMode,
     /// The file's plant at t = 0, and it as a row, which plants that are alike begin as.
     first: PlantRun,
     row: PlantRow,
@@ -29,12 +28,12 @@ pub(super) struct Fleet {
 
 impl Fleet {
     /// None yet, of this file.
-    pub(super) fn new(file: File, action_mode: CommandMode, precision: Precision) -> Result<Self, Failure> {
+    pub(super) fn new(file: File, precision: Precision) -> Result<Self, Failure> {
         let first = run(&file, file.begin()).map_err(|error| file.failed(&error))?;
         let none = std::iter::empty::<PlantRow>();
         let batch = PlantBatch::with_precision(none, precision).map_err(|error| file.failed(&error))?;
         let (row, state) = (first.row(file.method()), first.state().to_vec());
-        Ok(Self { file, action_mode, first, row, pace: Pace::default(), batch, ends: Vec::new(), state })
+        Ok(Self { file, first, row, pace: Pace::default(), batch, ends: Vec::new(), state })
     }
 
     /// The file.
@@ -123,16 +122,17 @@ impl Fleet {
     pub(super) fn check(&self, actions: &[f64]) -> Result<(), (usize, Failure)> {
         let valves = self.valves().max(1);
         // Duty cycles within their range differ in nothing that a valve would mind.
-        let actions = match self.action_mode {
-            CommandMode::Duty(_) if actions.iter().all(|duty| parameter::DUTY.range.contains(*duty)) => {
+        let actions = match self.file.modes.first() {
+            Some(CommandMode::Duty(_)) if actions.iter().all(|duty| parameter::DUTY.range.contains(*duty)) => {
                 &actions[..actions.len().min(valves)]
             }
             _ => actions,
         };
         for (row, actions) in actions.chunks(valves).enumerate() {
             let network = self.batch.plant(row).unwrap_or(&self.file.begin().plant).network();
-            for ((number, valve), owner) in actions.iter().zip(&self.file.valves).zip(&self.file.owners) {
-                let commanded = self.action_mode.command(*number);
+            let its = self.file.valves.iter().zip(&self.file.modes).zip(&self.file.owners);
+            for (number, ((valve, mode), owner)) in actions.iter().zip(its) {
+                let commanded = mode.command(*number);
                 let checked = commanded.and_then(|commanded| network.check_command(*valve, &commanded));
                 let of_valve = |failure: Failure| match valves {
                     1 => failure,
@@ -148,9 +148,10 @@ impl Fleet {
     pub(super) fn command_range(&self) -> Vec<f64> {
         let of_row = |row: usize| {
             let network = self.batch.plant(row).unwrap_or(&self.file.begin().plant).network();
-            let mode =
-                |valve: &usize| network.feed_of(*valve).map_or(self.action_mode, |feed| self.action_mode.fed_at(feed));
-            self.file.valves.iter().map(move |valve| mode(valve).range())
+            let mode = |(valve, mode): (&usize, &CommandMode)| {
+                network.feed_of(*valve).map_or(*mode, |feed| mode.fed_at(feed)).range()
+            };
+            self.file.valves.iter().zip(&self.file.modes).map(mode)
         };
         let ranges: Vec<_> = (0..self.batch.len()).flat_map(of_row).collect();
         let ends = ranges.iter().map(|(low, ..)| *low).chain(ranges.iter().map(|(_, high, _)| *high));
@@ -160,11 +161,11 @@ impl Fleet {
     /// Sets the valves to what has been checked, goes on, and writes the columns, and which have left the physics and stopped:
     /// of those nothing is written.
     pub(super) fn step(&mut self, span: Span, actions: &[f64], observations: &mut [f64], stopped: &mut [bool]) {
-        let Self { file, action_mode, pace, batch, ends, state, .. } = self;
+        let Self { file, pace, batch, ends, state, .. } = self;
         let width = file.valves.len();
-        for (place, valve) in file.valves.iter().enumerate() {
+        for (place, (valve, mode)) in file.valves.iter().zip(&file.modes).enumerate() {
             // They have been checked.
-            let _ = batch.set_each(*valve, |row| action_mode.command(actions[width * row + place]).ok());
+            let _ = batch.set_each(*valve, |row| mode.command(actions[width * row + place]).ok());
         }
         *pace = pace.on(span);
         ends.clear();

@@ -24,9 +24,9 @@ use file::File;
 use fleet::Fleet;
 use mckibben::network::NodeKind;
 use mckibben::simulation::MOST_PARTS;
-use mckibben::valve::{Command, Solenoid};
+use mckibben::valve::Solenoid;
 use mckibben_run::failure::Failure;
-use mckibben_run::host::{CommandMode, Pulses};
+use mckibben_run::host::CommandMode;
 use numpy::{PyArray1, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
@@ -53,7 +53,8 @@ use std::collections::BTreeMap;
 ///     What an action is: a duty cycle from 0 to 1 (the default); a request, 1 to fill, 0 to hold, -1 to exhaust; the position
 ///     of a proportional spool from -1 to 1; the set point of a pressure regulator, a gauge pressure in Pa.
 /// pulse_frequency : float or str, optional
-///     Frequency in Hz, above zero, or text with a unit, of the pulses of a duty cycle. By default that of the scenario's PWM.
+///     Frequency in Hz, above zero, or text with a unit, of the pulses of all duty cycles. By default that of the scenario's first PWM.
+///     What is requested in the pulses of a valve and between them its own PWM says, or the first one where its command is no PWM.
 /// precision : {"double", "single"}, optional
 ///     Numbers that the instances are stepped in; double by default. Single precision takes twice as many at once, and keeps seven digits of a
 ///     state: what a step changes below the last of them is lost. It needs a package that is built with the feature `f32`.
@@ -124,16 +125,12 @@ impl VectorPlant {
         (mode, pulse_frequency): (&str, Option<f64>),
         (count, precision): (usize, &PrecisionWord),
     ) -> Result<Self, Failure> {
-        let file = File::read(scenario.clone_ref(py), parameters)?;
+        let file = File::read(scenario.clone_ref(py), parameters, (mode, pulse_frequency))?;
         arguments::taking_part("parameters", parameters, IDLE)?;
         if file.valves.is_empty() {
             let remedy = "give the scenario [supply] and [valve]";
             return Err(Failure::input("the plant has no valve that could be commanded", remedy));
         }
-        file.solenoids().try_for_each(|valve| CommandMode::check("action_mode", mode, valve))?;
-        let pulsed = file.commands.iter().find(|command| matches!(command, Command::Pwm { .. }));
-        let pulses = || Pulses::of(pulsed.or(file.commands.first()), pulse_frequency);
-        let action_mode = CommandMode::named("action_mode", mode, pulses)?;
         let requests = CommandMode::requests_of(file.solenoids().collect::<Vec<_>>().into_iter());
         let of_valve = |valve: &Solenoid| valve.dead_time() + valve.delays().into_iter().fold(0.0, f64::max);
         let hoses = file.begin().plant.network().nodes.iter().filter_map(|node| match &node.kind {
@@ -142,9 +139,10 @@ impl VectorPlant {
         });
         let valve_delay = file.solenoids().map(of_valve).fold(0.0, f64::max) + hoses.fold(0.0, f64::max);
         let (longest, duration, given) = (file.step, file.run.duration, file.given().to_vec());
-        let (width, pulses) = (file.columns.len(), action_mode.pulse_frequency());
-        let fleet = Fleet::new(file, action_mode, precision.read()?)?;
-        fleet.check(&vec![action_mode.least(&requests); fleet.valves()]).map_err(|(_, failure)| failure)?;
+        let (width, pulses) = (file.columns.len(), file.modes.first().and_then(CommandMode::pulse_frequency));
+        let least: Vec<f64> = file.modes.iter().map(|mode| mode.least(&requests)).collect();
+        let fleet = Fleet::new(file, precision.read()?)?;
+        fleet.check(&least).map_err(|(_, failure)| failure)?;
         let (scenario, parameters, action_mode) = (scenario.clone_ref(py), parameters.to_vec(), mode.to_owned());
         let plants = Self {
             scenario,

@@ -163,6 +163,9 @@ fn usual(source: &Source, column: &Column) -> Option<String> {
     let of = &column.of;
     let has_goal =
         || source.columns.iter().any(|other| other.of.place == SET_POINT && other.of.quantity == of.quantity);
+    // Between its mechanism and its tendon a muscle has a length that the mechanism does not say.
+    let has_tendon =
+        || source.columns.iter().any(|other| other.of.part == of.part && other.of.quantity == "load distance");
     let is_actuator = source.actuators.contains(&of.part);
     let is_usual = match (of.quantity.as_str(), of.place.as_str()) {
         (_, SET_POINT) => true,
@@ -173,7 +176,7 @@ fn usual(source: &Source, column: &Column) -> Option<String> {
         // Of several actuators the regulators' outlets would hide the pressures.
         ("gauge pressure", "regulated") => source.actuators.len() == 1,
         ("angle" | "position" | "load distance" | "gauge pressure" | "tension", "") => true,
-        ("length", "") => source.alone.contains(&of.part) || has_goal(),
+        ("length", "") => source.alone.contains(&of.part) || has_tendon() || has_goal(),
         (_, "") => has_goal(),
         _ => false,
     };

@@ -3,14 +3,16 @@
 
 use super::Picture;
 use super::choice::{Run, extremes};
-use super::quantity::{shown, tolerance};
+use super::quantity::{Of, shown, tolerance};
 use mckibben_plot::{Axis, Colour, Figure, Panel, Series, SideBySide};
 
 /// Lengths in m and tensions in N of a run.
 fn columns<'s>(run: &Run<'s>) -> Option<(&'s [f64], &'s [f64])> {
-    let named =
-        |name: &str| run.source.columns.iter().find(|column| column.name == name).map(|column| &column.values[..]);
-    Some((named("length_m")?, named("tension_n")?))
+    let of = |quantity: &str| {
+        let is_it = |of: &Of| of.place.is_empty() && of.quantity == quantity;
+        run.source.columns.iter().find(|column| is_it(&column.of)).map(|column| &column.values[..])
+    };
+    Some((of("length")?, of("tension")?))
 }
 
 /// The straight line between the shortest and the longest, as the tension at a length.

@@ -7,6 +7,7 @@ use crate::joint::NAMES;
 use crate::plant::name_of;
 use crate::record::Values;
 use crate::run::Finished;
+use crate::{table, units};
 use mckibben::mechanism::Mechanism;
 use mckibben::plant::{Part, PlantReader};
 use mckibben::simulation::{EventKind, SampleTimes};
@@ -25,7 +26,7 @@ const PER_PULSE: f64 = 48.0;
 /// A column of a run.
 #[derive(Clone, Debug)]
 pub(crate) struct Column {
-    /// Its name in files.
+    /// Its name in files, with the unit that it has there.
     pub(crate) name: String,
     pub(crate) of: Of,
     /// Its values in SI.
@@ -37,7 +38,8 @@ pub(crate) struct Column {
 pub(crate) struct Happened {
     pub(crate) time: f64,
     pub(crate) kind: EventKind,
-    /// The part that it happened to; empty for the only actuator and for the joint of two.
+    /// The part that it happened to; empty for the only actuator and for the joint of two. A muscle that breaks away moves all joints
+    /// of its chain: then the last of them.
     pub(crate) part: String,
 }
 
@@ -133,7 +135,9 @@ impl Source {
         let columns = run.columns_at(&time)?.into_iter().filter_map(|column| {
             let of = Of::column(&column, &first);
             match column.values {
-                Values::Numbers(values) if column.name != "time_s" => Some(Column { name: column.name, of, values }),
+                Values::Numbers(values) if column.name != "time_s" => {
+                    Some(Column { name: in_files(column.name, column.unit), of, values })
+                }
                 _ => None,
             }
         });
@@ -150,6 +154,12 @@ impl Source {
             _ => true,
         })
     }
+}
+
+/// The name that a column of numbers has in a file, which ends with the unit that was chosen.
+fn in_files(name: String, unit: String) -> String {
+    let column = table::Column::number(name.clone(), unit);
+    units::columns(vec![column]).0.pop().map_or(name, |column| column.name)
 }
 
 type Parts = (Vec<String>, Vec<String>, Vec<Happened>, Vec<Watch>, Vec<Limit>);
@@ -195,10 +205,14 @@ fn plant(of: &crate::plant::PlantOutcome) -> Parts {
     let is_alone = |index: &usize| names.mechanisms[plant.actuators()[*index].mechanism].name.is_none();
     let alone: Vec<usize> = (0..actuators.len()).filter(is_alone).collect();
     let mut limits = Vec::new();
-    for index in &alone {
-        let of = plant.actuators()[*index].actuator.limits();
+    for (index, mounted) in plant.actuators().iter().enumerate() {
+        // The length of a muscle on a tendon moves apart from its mechanism.
+        if mounted.tendon.is_none() && !alone.contains(&index) {
+            continue;
+        }
+        let of = mounted.actuator.limits();
         for (words, value) in [("max length", of.max_length()), ("min length", of.min_length())] {
-            limits.push(Limit { part: actuators[*index].clone(), quantity: "length", value, words });
+            limits.push(Limit { part: actuators[index].clone(), quantity: "length", value, words });
         }
     }
     for (its, mechanism) in names.mechanisms.iter().zip(plant.mechanisms()) {
@@ -224,10 +238,14 @@ fn plant(of: &crate::plant::PlantOutcome) -> Parts {
                 .for_each(|(_, watch)| watch.changes.push((event.time, open)));
         }
     }
-    let happened = trajectory.events().iter().map(|event| Happened {
-        time: event.time,
-        kind: event.kind.kind,
-        part: name_of(experiment, event.kind.part).to_owned(),
+    let part = |kind: EventKind, part: Part| match part {
+        Part::Mechanism(index) if kind == EventKind::BreakAway => names.mechanisms[index].joints.last(),
+        _ => None,
+    };
+    let happened = trajectory.events().iter().map(|event| {
+        let (kind, its) = (event.kind.kind, event.kind.part);
+        let part = part(kind, its).map_or_else(|| name_of(experiment, its), String::as_str);
+        Happened { time: event.time, kind, part: part.to_owned() }
     });
     let alone = alone.into_iter().map(|index| actuators[index].clone()).collect();
     (actuators, alone, happened.collect(), watches.into_iter().map(|(_, watch)| watch).collect(), limits)

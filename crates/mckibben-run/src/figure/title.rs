@@ -4,6 +4,7 @@
 //! what drives the valve.
 
 use crate::quantities::{digits, given, given_percent, plain};
+use mckibben::parameter as p;
 use mckibben_scenario::{Command, Document, Load, Motion, Regulator, Scenario, Sweep};
 
 /// Words that end with a point without ending a sentence.
@@ -16,10 +17,11 @@ pub fn of(document: &Document, set: &[String]) -> String {
     made(document, set, || document.scenario().ok().map(|scenario| composed(&scenario, &[])))
 }
 
-/// The title of a sweep of a document: as [`of`], without what varies.
+/// The title of a sweep of a document: as [`of`], without what varies and how, which the figure shows.
 pub fn of_sweep(document: &Document, sweep: &Sweep, set: &[String]) -> String {
+    let set: Vec<String> = set.iter().filter(|set| !set.starts_with("sweep.")).cloned().collect();
     let varied: Vec<&str> = sweep.axes().iter().map(|axis| axis.path.as_str()).collect();
-    made(document, set, || sweep.scenario(0).ok().map(|first| composed(&first, &varied)))
+    made(document, &set, || sweep.scenario(0).ok().map(|first| composed(&first, &varied)))
 }
 
 fn made(document: &Document, set: &[String], of_one: impl FnOnce() -> Option<String>) -> String {
@@ -75,13 +77,13 @@ fn sentence(text: &str) -> Option<String> {
 /// What a scenario of one actuator or of a joint is, in a sentence without the keys that vary.
 fn composed(of: &Scenario, varied: &[&str]) -> String {
     let varies = |key: &str| varied.contains(&key);
-    let moves = varied.iter().any(|key| key.starts_with("load.motion"));
+    let moves = [p::MOTION_AMPLITUDE.key, p::MOTION_FREQUENCY.key].into_iter().any(varies);
     let load = match &of.load {
         _ if varies("load.kind") => "A muscle".to_owned(),
         Load::HangingMass { .. } if varies("load.mass") => "A muscle under a load".to_owned(),
         Load::ConstantForce { .. } if varies("load.force") => "A muscle under a constant force".to_owned(),
         Load::PrescribedMotion(Motion::Sinusoid { .. }) if moves => "A muscle that is moved".to_owned(),
-        Load::HangingMass { mass, .. } => format!("A muscle under a {} load", kilograms(*mass)),
+        Load::HangingMass { mass, .. } => format!("A muscle under a load of {}", kilograms(*mass)),
         Load::ConstantForce { force, .. } => format!("A muscle under a constant force of {}", given(*force, "N")),
         Load::Isometric => "A muscle at constant length".to_owned(),
         Load::PrescribedMotion(Motion::Sinusoid { amplitude, frequency, .. }) => {
@@ -149,7 +151,7 @@ mod tests {
                     gauge_pressure = \"60 psi\"\n[command]\nkind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.4\n[run]\n\
                     duration = \"1 s\"\n";
         let document = Document::parse(text, "muscle.toml").unwrap();
-        assert_eq!(of(&document, &[]), "A muscle under a 2.268 kg load, pulsed at 25 Hz and 40 %");
+        assert_eq!(of(&document, &[]), "A muscle under a load of 2.268 kg, pulsed at 25 Hz and 40 %");
         let set = ["load.mass=1 kg".to_owned()];
         assert!(of(&document, &set).ends_with("40 % (load.mass = 1 kg)"));
     }
@@ -160,13 +162,13 @@ mod tests {
                     gauge_pressure = \"60 psi\"\n[command]\nkind = \"pwm\"\nfrequency = \"25 Hz\"\nduty = 0.4\n[run]\n\
                     duration = \"1 s\"\n[sweep.vary]\n";
         for (vary, due) in [
-            ("\"command.duty\" = [0.2, 0.4]", "A muscle under a 2.268 kg load, pulsed at 25 Hz"),
-            ("\"command.frequency\" = [\"20 Hz\", \"30 Hz\"]", "A muscle under a 2.268 kg load, pulsed at 40 %"),
+            ("\"command.duty\" = [0.2, 0.4]", "A muscle under a load of 2.268 kg, pulsed at 25 Hz"),
+            ("\"command.frequency\" = [\"20 Hz\", \"30 Hz\"]", "A muscle under a load of 2.268 kg, pulsed at 40 %"),
             (
                 "\"load.mass\" = [\"1 kg\"]\n\"command.duty\" = [0.2]\n\"command.frequency\" = [\"9 Hz\"]",
                 "A muscle under a load, pulsed",
             ),
-            ("\"load.gravity\" = [9.8]", "A muscle under a 2.268 kg load, pulsed at 25 Hz and 40 %"),
+            ("\"load.gravity\" = [9.8]", "A muscle under a load of 2.268 kg, pulsed at 25 Hz and 40 %"),
         ] {
             let document = Document::parse_in_si(&format!("{text}{vary}\n"), "muscle.toml").unwrap();
             let sweep = document.sweep().unwrap().unwrap();

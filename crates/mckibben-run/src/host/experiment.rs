@@ -11,10 +11,24 @@ use mckibben_scenario::{Document, Engine, MechanismNames, PlantExperiment, Plant
 /// # Errors
 /// Every mistake in the scenario, with its place.
 pub fn experiment_of(document: &Document) -> Result<PlantExperiment, Failure> {
-    if let Some(experiment) = document.plant_experiment()? {
-        return Ok(experiment);
+    match document.plant_experiment()? {
+        Some(experiment) => Ok(experiment),
+        None => experiment_in(document, &document.scenario()?),
     }
-    experiment_of_one(&open(&document.scenario()?)).map_err(|error| Failure::of_core(&error, document))
+}
+
+/// The plant as [`experiment_of`] has it, and the document that describes it: of one actuator or of a joint with the values of its presets.
+pub(super) fn described(document: &Document) -> Result<(PlantExperiment, Document), Failure> {
+    if let Some(experiment) = document.plant_experiment()? {
+        return Ok((experiment, document.clone()));
+    }
+    let scenario = document.scenario()?;
+    Ok((experiment_in(document, &scenario)?, Document::parse(&scenario.to_toml(), document.source().name())?))
+}
+
+/// The plant of a scenario of one actuator or of a joint that was read from a document.
+fn experiment_in(document: &Document, scenario: &Scenario) -> Result<PlantExperiment, Failure> {
+    experiment_of_one(&open(scenario)).map_err(|error| Failure::of_core(&error, document))
 }
 
 /// The plant of a scenario of one actuator, which is called `actuator`, or of a joint: `agonist` and `antagonist` on the mechanism

@@ -56,6 +56,7 @@ mod batch;
 pub mod command;
 mod ends;
 mod experiment;
+mod mark;
 mod model;
 mod plant;
 
@@ -63,7 +64,8 @@ pub use batch::HostBatch;
 pub use command::{COMMAND_MODES, CommandMode, Pulses};
 pub use ends::GREATEST_MOTION;
 pub use experiment::{experiment_of, experiment_of_one, open};
-pub use model::{CommandInput, HostModel, HostOptions, Motion};
+pub use mark::mark;
+pub use model::{CommandInput, HostModel, HostOptions, Motion, command_inputs};
 pub use plant::HostPlant;
 
 use mckibben::internals::SIMULTANEOUS;

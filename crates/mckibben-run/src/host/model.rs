@@ -4,7 +4,8 @@
 
 use super::command::{CommandMode, Pulses};
 use super::ends;
-use super::experiment::experiment_of;
+use super::experiment::described;
+use super::mark::mark;
 use crate::failure::Failure;
 use mckibben::parameter::ACCURACY;
 use mckibben::plant::{Plant, PlantRow, PlantRun, PlantSample, PlantStart, PlantSteps, TimeStepping};
@@ -53,8 +54,8 @@ pub struct CommandInput {
     pub actuators: Vec<usize>,
     /// What the number is.
     pub mode: CommandMode,
-    /// Its index in the network.
-    pub(super) valve: usize,
+    /// The index of the valve in the network.
+    pub valve: usize,
 }
 
 impl CommandInput {
@@ -78,13 +79,14 @@ pub struct HostModel {
     /// The longest part of a step in s.
     pub(super) longest: f64,
     stepping: TimeStepping,
+    mark: f64,
 }
 
 impl HostModel {
     /// Reads it, as [`HostPlant::read`](super::HostPlant::read) says.
     pub(super) fn read(document: &Document, options: &HostOptions<'_>) -> Result<Self, Failure> {
         let failed = |error: mckibben::Error| Failure::of_core(&error, document);
-        let experiment = experiment_of(document)?;
+        let (experiment, described) = described(document)?;
         let longest = match options.max_step {
             Some(longest) if !(longest.is_finite() && longest > 0.0) => {
                 return Err(Failure::input(
@@ -96,7 +98,8 @@ impl HostModel {
         };
         // A frequency that is none must not turn duty cycles into requests.
         Pulses::of(None, options.pulse_frequency)?;
-        let commands = inputs(&experiment, options)?;
+        let mode = ("command_mode", options.command_mode);
+        let commands = command_inputs(&experiment, mode, options.pulse_frequency)?;
         let valves: Vec<usize> = commands.iter().map(|input| input.valve).collect();
         // The scenario's own commands say what a step has to follow; those of the host are not known yet.
         let step = match options.motion {
@@ -129,7 +132,36 @@ impl HostModel {
         }
         let quantities = outputs.iter().filter_map(is_output).collect();
         let (motion, limits) = (options.motion, ends::limits(&experiment.plant).map_err(failed)?);
-        Ok(Self { experiment, motion, commands, outputs, quantities, limits, longest, stepping })
+        let commanded: String =
+            commands.iter().map(|its| format!("{}{:?}", its.name, its.mode.pulse_frequency())).collect();
+        let mark = mark(described, &experiment.names.actuators, &commanded, motion);
+        Ok(Self { experiment, motion, commands, outputs, quantities, limits, longest, stepping, mark })
+    }
+
+    /// A number, exact as a float, that identifies the plant: hosts put it before a state that they hand out as numbers.
+    pub fn mark(&self) -> f64 {
+        self.mark
+    }
+
+    /// Refuses a state that stands behind the mark of another plant; `state` is how the host calls it.
+    ///
+    /// # Errors
+    /// With what may differ.
+    pub fn check_mark(&self, state: &str, mark: f64) -> Result<(), Failure> {
+        if mark == self.mark {
+            return Ok(());
+        }
+        let (motion, may_differ) = match self.motion {
+            Motion::Host => ("", "load, mechanism, commands, controllers, start and run"),
+            Motion::Scenario => (", motion", "commands, controllers, start and run"),
+        };
+        Err(Failure::input(
+            format!("{state} is of another plant: its valves, its air or its law need not have such a state"),
+            format!(
+                "give one that a plant of an equal scenario{motion}, command mode and pulse frequency has saved; only what the \
+                 scenario says of its {may_differ} may differ"
+            ),
+        ))
     }
 
     /// The names of the actuators.
@@ -371,11 +403,19 @@ impl HostModel {
     }
 }
 
-/// The valves of the actuators, each once, with their modes.
-fn inputs(experiment: &PlantExperiment, options: &HostOptions<'_>) -> Result<Vec<CommandInput>, Failure> {
+/// The valves of the actuators, each once, with their modes: the named one, else each valve's own; `key` is how the host calls the choice,
+/// in messages. Duty cycles are pulsed as each valve's own PWM says, but at a frequency in Hz where one is given.
+///
+/// # Errors
+/// For a mode that a valve does not take, and for duty cycles without a frequency of their pulses.
+pub fn command_inputs(
+    experiment: &PlantExperiment,
+    (key, mode): (&str, Option<&str>),
+    pulse_frequency: Option<f64>,
+) -> Result<Vec<CommandInput>, Failure> {
     let network = experiment.plant.network();
     let mut inputs: Vec<CommandInput> = Vec::new();
-    // A valve without its own pulse frequency has that of the first valve with one.
+    // A valve without its own pulses has those of the first valve with some.
     let pulsed = experiment.names.valves.iter().flatten().map(|valve| &network.valves[*valve].command);
     let pulsed = pulsed.clone().find(|command| matches!(command, mckibben::valve::Command::Pwm { .. }));
     for (actuator, valve) in experiment.names.valves.iter().enumerate() {
@@ -390,11 +430,11 @@ fn inputs(experiment: &PlantExperiment, options: &HostOptions<'_>) -> Result<Vec
         }
         let its = &network.valves[valve];
         let own = matches!(its.command, mckibben::valve::Command::Pwm { .. }).then_some(&its.command);
-        let pulses = || Pulses::of(own.or(pulsed).or(Some(&its.command)), options.pulse_frequency);
-        let mode = match options.command_mode {
+        let pulses = || Pulses::of(own.or(pulsed).or(Some(&its.command)), pulse_frequency);
+        let mode = match mode {
             Some(mode) => {
-                CommandMode::check("command_mode", mode, &its.solenoid).map_err(|failure| failure.of(name))?;
-                CommandMode::named("command_mode", mode, pulses)?
+                CommandMode::check(key, mode, &its.solenoid).map_err(|failure| failure.of(name))?;
+                CommandMode::named(key, mode, pulses)?
             }
             None => CommandMode::of(&its.solenoid, pulses),
         };

@@ -39,7 +39,7 @@ mod valve;
 use crate::failure::{Failure, Reason};
 pub use mckibben_identify::least_squares::Monitor;
 use mckibben_identify::least_squares::{Loss, Search};
-use mckibben_identify::study::{Column, Kind, Quantity, Recording, Severity, Study, StudyError, Table};
+use mckibben_identify::study::{Column, ColumnEntry, Kind, Quantity, Recording, Severity, Study, StudyError, Table};
 use mckibben_scenario::Document;
 pub use minima::OtherMinimum;
 pub use outcome::{Outcome, WARNED};
@@ -190,8 +190,46 @@ impl Material {
         notes.sort_by_key(|note| std::cmp::Reverse(note.severity));
         let mark = |severity| if severity == Severity::Warned { outcome::WARNED } else { "" };
         let notes = notes.into_iter().map(|note| format!("{}{note}", mark(note.severity)));
-        units::doubts(self).into_iter().chain(saturation::warnings(self)).chain(notes).collect()
+        units::doubts(self).into_iter().chain(saturation::warnings(self)).chain(self.not_read()).chain(notes).collect()
     }
+
+    /// That a study of this kind does not read some of its columns. Trajectories refuse them.
+    fn not_read(&self) -> Option<String> {
+        let kind = self.study.kind;
+        let is_unread = |entry: &&ColumnEntry| kind != Kind::Trajectories && !reads(kind, entry.quantity);
+        let unread: Vec<String> = self.study.columns.iter().filter(is_unread).map(ColumnEntry::words).collect();
+        let [are, them] = if unread.len() == 1 { ["is", "it"] } else { ["are", "them"] };
+        let words = || {
+            let (names, kind) = (unread.join(", the "), kind.name());
+            format!("the {names} {are} not used: a study of the kind \"{kind}\" does not read {them}.")
+        };
+        (!unread.is_empty()).then(words)
+    }
+}
+
+/// Whether a study of a kind but trajectories reads a quantity. Times may stand in any table.
+fn reads(kind: Kind, of: Quantity) -> bool {
+    use Quantity as Q;
+    let in_muscle = matches!(of, Q::GaugePressure | Q::AbsolutePressure);
+    let is_steady = matches!(
+        of,
+        Q::UpstreamGaugePressure
+            | Q::UpstreamAbsolutePressure
+            | Q::DownstreamGaugePressure
+            | Q::DownstreamAbsolutePressure
+            | Q::Temperature
+            | Q::MassFlow
+            | Q::VolumeFlow
+    );
+    of == Q::Time
+        || match kind {
+            Kind::ForceMap | Kind::Hysteresis => in_muscle || matches!(of, Q::Length | Q::Tension),
+            Kind::RingDown => in_muscle || of == Q::Length,
+            Kind::FlowCurve | Kind::SteadyFlow => is_steady,
+            Kind::Tank => in_muscle,
+            Kind::PulseTrain => in_muscle || of == Q::Command,
+            Kind::Trajectories => true,
+        }
 }
 
 /// A failure by a sentence that ends with what to do, behind its last semicolon or as its last sentence; `otherwise` is what to do where

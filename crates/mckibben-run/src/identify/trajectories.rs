@@ -60,6 +60,12 @@ pub(super) fn outcome(material: &Material) -> Result<Outcome, Failure> {
     let has_intervals = found.found.fit.ending == Ending::Minimum;
     let rest = task.unexplained(&found);
     warnings.extend(rest.iter().map(|rest| unexplained(rest, has_intervals, is_doubted)));
+    if found.weighed_by_spans {
+        warnings.push(format!(
+            "{WARNED}the search ended in its first, rough pass, in which each quantity is weighed by the span of its readings and not by its \
+             scatter: the scales are these spans. Give it more time, or begin nearer (`start` in [fit])."
+        ));
+    }
     warnings.extend(found.unsettled.iter().map(|of| unsettled(of, &found)));
     let understated = task.understated(&found);
     let understated = understated.iter().filter(|of| !rest.iter().any(|rest| rest.observed == of.observed));
@@ -154,7 +160,7 @@ fn runs(material: &Material, warnings: &mut Vec<String>) -> Result<(Vec<Recorded
         scenarios.into_iter().zip(numbers).zip(material.recordings.iter().zip(documents))
     {
         let given = document.says_of_each(parameter::MIN_LENGTH.key);
-        let mut time_series = time_series(material, (recording, &sensors), scenario.air.atmospheric_pressure);
+        let mut time_series = time_series(material, (recording, &sensors), scenario.air.atmospheric_pressure)?;
         let others = scenario.of_antagonist();
         // A pressure that drives the run is not compared with it.
         let driven = scenario.pressure.as_ref().map(|given| match given.at {
@@ -265,7 +271,7 @@ pub(super) fn held_at_its_end(
 }
 
 /// What follows the pressure.
-const FOLLOWING: [Quantity; 7] = [
+const FOLLOWING: [Quantity; 9] = [
     Quantity::Length,
     Quantity::Tension,
     Quantity::Angle,
@@ -273,38 +279,64 @@ const FOLLOWING: [Quantity; 7] = [
     Quantity::Torque,
     Quantity::AntagonistLength,
     Quantity::AntagonistTension,
+    Quantity::Temperature,
+    Quantity::MassFlow,
+];
+
+/// The quantities of one actuator or a joint that are compared: what each is read as, and whether it counts from the vacuum there and
+/// from the atmosphere in the comparison.
+const COMPARED: [(Quantity, Observed, bool); 15] = [
+    (Quantity::Length, Observed::Length, false),
+    (Quantity::GaugePressure, Observed::GaugePressure, false),
+    (Quantity::AbsolutePressure, Observed::GaugePressure, true),
+    (Quantity::Tension, Observed::Tension, false),
+    (Quantity::Angle, Observed::Angle, false),
+    (Quantity::AngularVelocity, Observed::AngularVelocity, false),
+    (Quantity::Torque, Observed::Torque, false),
+    (Quantity::AntagonistLength, Observed::AntagonistLength, false),
+    (Quantity::AntagonistGaugePressure, Observed::AntagonistGaugePressure, false),
+    (Quantity::AntagonistAbsolutePressure, Observed::AntagonistGaugePressure, true),
+    (Quantity::AntagonistTension, Observed::AntagonistTension, false),
+    (Quantity::HoseGaugePressure, Observed::HoseGaugePressure, false),
+    (Quantity::HosePressure, Observed::HoseGaugePressure, true),
+    (Quantity::Temperature, Observed::Temperature, false),
+    (Quantity::MassFlow, Observed::MassFlow, false),
 ];
 
 fn time_series(
     material: &Material,
     (recording, sensors): (&Recording, &[(OfSensor, usize)]),
     atmosphere: f64,
-) -> Vec<TimeSeries> {
-    let of = |quantity: Quantity, observed: Observed, shift: f64| {
+) -> Result<Vec<TimeSeries>, Failure> {
+    let is_compared = |of: Quantity| of == Quantity::Time || COMPARED.iter().any(|(quantity, ..)| *quantity == of);
+    if let Some(entry) = material.study.columns.iter().find(|entry| !is_compared(entry.quantity)) {
+        let title =
+            format!("`[columns.{}]`: trajectories have no {} to compare it with", entry.quantity.name(), entry.words());
+        let help = match entry.quantity {
+            Quantity::VolumeFlow => {
+                "give the mass flow into the actuator as `[columns.mass_flow]`: a volume flow ANR times 1.185 kg/m^3"
+            }
+            Quantity::Command => {
+                "leave it out, and give the command by `[command]` of the scenario, as by `kind = \"table\"`"
+            }
+            Quantity::UpstreamGaugePressure | Quantity::UpstreamAbsolutePressure => {
+                "leave it out, and state `supply.gauge_pressure` in the scenario or by `set` of each run"
+            }
+            _ => {
+                "leave it out; the pressure in the actuator is `[columns.gauge_pressure]` or `[columns.absolute_pressure]`"
+            }
+        };
+        return Err(Failure::input(title, help));
+    }
+    let of = |(quantity, observed, is_absolute): (Quantity, Observed, bool)| {
+        let shift = if is_absolute { atmosphere } else { 0.0 };
         let (times, values) = recording.channel(quantity)?;
         let deviation = recording.column(quantity).and_then(|column| column.deviation);
         let sensor = sensors::sensor(material, (quantity, None), shift, sensors);
         let values = values.into_iter().map(|value| value - shift).collect();
         Some(TimeSeries { observed, times, values, deviation, sensor }.without_repetitions())
     };
-    [
-        of(Quantity::Length, Observed::Length, 0.0),
-        of(Quantity::GaugePressure, Observed::GaugePressure, 0.0),
-        of(Quantity::AbsolutePressure, Observed::GaugePressure, atmosphere),
-        of(Quantity::Tension, Observed::Tension, 0.0),
-        of(Quantity::Angle, Observed::Angle, 0.0),
-        of(Quantity::AngularVelocity, Observed::AngularVelocity, 0.0),
-        of(Quantity::Torque, Observed::Torque, 0.0),
-        of(Quantity::AntagonistLength, Observed::AntagonistLength, 0.0),
-        of(Quantity::AntagonistGaugePressure, Observed::AntagonistGaugePressure, 0.0),
-        of(Quantity::AntagonistAbsolutePressure, Observed::AntagonistGaugePressure, atmosphere),
-        of(Quantity::AntagonistTension, Observed::AntagonistTension, 0.0),
-        of(Quantity::HoseGaugePressure, Observed::HoseGaugePressure, 0.0),
-        of(Quantity::HosePressure, Observed::HoseGaugePressure, atmosphere),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+    Ok(COMPARED.into_iter().filter_map(of).collect())
 }
 
 fn introduction(task: &Task, found: &Identified) -> Vec<String> {

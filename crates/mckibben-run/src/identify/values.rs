@@ -254,6 +254,10 @@ fn not_identifiable(direction: &Direction) -> String {
             "`{name}` changes no reading there: a valve whose delay is longer than its pulses never moves. Start below the shortest pulse, \
              or give runs with longer pulses."
         ),
+        [(name, _)] if last_name(name) == "critical_ratio" => format!(
+            "`{name}` changes no reading there: the flow is choked at all of them, and every value above the largest pressure ratio is as \
+             good. Record until the pressures at both ends of the valve are nearly equal."
+        ),
         [(name, _)] => format!("`{name}` changes no reading there. Hold it at a value that you know."),
         shares => format!(
             "{} are not identifiable: this combination of them, each over its size, changes no reading. Hold one of them at a value that \

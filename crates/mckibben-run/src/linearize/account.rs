@@ -2,12 +2,11 @@
 
 use super::Model;
 use super::export::over_fastest;
-use crate::quantities::{digits, percent, quantity};
+use crate::quantities::{digits, given, percent, quantity};
 use crate::report::{Table, typeset};
 use crate::units::{chosen_scale_of_differences, readable};
 use crate::warnings;
 use mckibben::air::Process;
-use mckibben::friction::Hysteresis;
 use mckibben::linearize::{Controllability, Pole, Signal, StateSpace};
 use mckibben::load::Load;
 use mckibben::plant::{PlantInput, PlantLinearization, RigPlant, ValveAverage};
@@ -135,7 +134,12 @@ fn point(model: &Model) -> Vec<Line> {
         let sealed = actuator.sealed_stiffness(state.length, state.pressure);
         lines.push((
             "stiffness",
-            format!("{}, with the valve shut {}", quantity(constant, "N/m"), quantity(sealed, "N/m")),
+            format!(
+                "{}, with the valve shut {}{}",
+                quantity(constant, "N/m"),
+                quantity(sealed, "N/m"),
+                without_hysteresis([actuator])
+            ),
         ));
     }
     let mut lines: Vec<Line> = lines.into_iter().map(|(name, value)| Line::new(name, value)).collect();
@@ -145,17 +149,23 @@ fn point(model: &Model) -> Vec<Line> {
     lines
 }
 
-/// What casts doubt on an actuator in a linear model: the warning of what feeds it, and hysteresis that has no state, of which the
-/// model has the stiffness about the point alone.
+/// What casts doubt on an actuator in a linear model: the warning of what feeds it, and hysteresis, of which the model has the
+/// stiffness about the point alone.
 pub(super) fn doubts(feed: Option<String>, actuator: &Actuator) -> String {
-    let is_stiffness =
-        matches!(actuator.friction().hysteresis(), Some(Hysteresis::MaxwellSlip(_) | Hysteresis::BoucWen(_)));
-    let hysteresis = is_stiffness.then(|| {
+    let hysteresis = actuator.friction().hysteresis().map(|_| {
         "the model has the hysteresis of friction as its stiffness for small signals: larger ones, beyond its width, meet a \
          softer muscle and lose energy"
             .to_owned()
     });
     feed.into_iter().chain(hysteresis).collect::<Vec<_>>().join("; ")
+}
+
+/// What a stiffness leaves out that the matrices have: the hysteresis of friction, where any of the actuators has it.
+pub(super) fn without_hysteresis<'a>(actuators: impl IntoIterator<Item = &'a Actuator>) -> &'static str {
+    match actuators.into_iter().any(|of| of.friction().hysteresis().is_some()) {
+        true => ", both without the hysteresis of friction, which is in the matrices",
+        false => "",
+    }
 }
 
 /// The spools whose one gain in a linear model says little, each by the name of its valve: at an edge, or in a dead zone.
@@ -198,7 +208,6 @@ fn swings(model: &Model) -> Vec<String> {
 
 /// A valve under PWM on average, and how far that holds.
 pub(super) fn pwm(averaged: &ValveAverage, poles: &[Pole], swings: Vec<String>) -> Vec<Line> {
-    let (from, to) = averaged.duty_range;
     let (duty, share) = (percent(averaged.duty), percent(averaged.supply_share()));
     let ripple = format!(
         "{} peak to peak at a fixed length, {} from supply or exhaust",
@@ -207,8 +216,7 @@ pub(super) fn pwm(averaged: &ValveAverage, poles: &[Pole], swings: Vec<String>) 
     );
     let mut lines = vec![
         Line::new("duty", format!("{duty} commanded, open to the supply for {share} of the period")),
-        Line::new("the seats follow", format!("from {} to {}", percent(from), percent(to)))
-            .unless(averaged.follows(), "not here: the valve does not answer to the duty"),
+        Line { warning: unanswered(averaged), ..Line::new("the poppets follow", followed(averaged)) },
         Line::new("air used", quantity(averaged.flow.outward, "kg/s")),
         Line {
             warning: of_ripple(averaged, "too large for the mean flow to be trusted"),
@@ -224,6 +232,32 @@ pub(super) fn pwm(averaged: &ValveAverage, poles: &[Pole], swings: Vec<String>) 
         lines.push(Line::new("frequency", ratio_text).unless(ratio > 3.0, slow));
     }
     lines
+}
+
+/// The duty cycles at which the poppets follow.
+fn followed(averaged: &ValveAverage) -> String {
+    match averaged.duty_range {
+        (from, to) if from > to => format!("no duty cycle at {}", given(averaged.frequency, "Hz")),
+        (from, to) => format!("from {} to {}", percent(from), percent(to)),
+    }
+}
+
+/// What keeps the poppets from following; empty where they do.
+pub(super) fn unanswered(averaged: &ValveAverage) -> String {
+    let (from, to) = averaged.duty_range;
+    if averaged.follows() {
+        return String::new();
+    }
+    if from > to {
+        // Delays that take the shares `from` and `1 − to` of a period fill it at this frequency.
+        let highest = averaged.frequency / (from + 1.0 - to);
+        return format!(
+            "the valve does not answer to the duty: a period is too short for the delays of opening and closing; lower \
+             command.frequency below {}",
+            given(highest, "Hz")
+        );
+    }
+    "not here: the valve does not answer to the duty".to_owned()
 }
 
 /// Distance in Pa from the pressure beyond a port below which the pressure stands there.
@@ -343,7 +377,12 @@ fn of_poles(poles: &[Pole]) -> Table {
 
 fn of_reach(system: &StateSpace, reach: &[Controllability]) -> Table {
     let rows = system.inputs.iter().zip(reach).map(|(input, reach)| {
-        let condition = if reach.condition.is_finite() { digits(reach.condition) } else { "∞".to_owned() };
+        let condition = match reach.condition {
+            condition if condition.is_finite() => digits(condition),
+            _ if reach.rank < system.states.len() => "∞".to_owned(),
+            // The least singular value is lost to rounding.
+            _ => "above 1e12".to_owned(),
+        };
         let values: Vec<String> = reach.singular_values.iter().map(|value| format!("{value:.1e}")).collect();
         vec![
             input.name.replace('_', " "),

@@ -98,12 +98,13 @@ pub(super) fn json(model: &Model) -> String {
         as_damping(amplitude, frequency, damping)
     });
     let pulses = model.linear.averaged().map(|averaged| {
-        let ripples = [
-            ("length_ripple_m", "length"),
-            ("actuator_pressure_ripple_pa", "pressure"),
-            ("tension_ripple_n", "tension"),
+        let more = [
+            (OVER_FASTEST, over_fastest(averaged, &model.poles)),
+            ("length_ripple_m", model.linear.ripple("length")),
+            ("actuator_pressure_ripple_pa", model.linear.ripple("pressure")),
+            ("tension_ripple_n", model.linear.ripple("tension")),
         ];
-        pwm(averaged, &model.poles, &ripples.map(|(name, output)| (name, model.linear.ripple(output))))
+        pwm("", averaged, &more)
     });
     let more = [
         ("taut", json!(model.linear.point.is_taut())),
@@ -138,8 +139,8 @@ fn controllability(input: &str, reach: &Controllability) -> Value {
     })
 }
 
-/// A valve under PWM on average; how far outputs swing under its pulses is part of its validity.
-fn pwm(averaged: &ValveAverage, poles: &[Pole], ripples: &[(&str, Option<f64>)]) -> Value {
+/// A valve under PWM on average, by its name, which is empty for one actuator; `more` of its validity is what the kind of the model adds.
+fn pwm(name: &str, averaged: &ValveAverage, more: &[(&str, Option<f64>)]) -> Value {
     let intervals = averaged.intervals.iter();
     let intervals: Vec<Value> =
         intervals.map(|interval| json!({ "valve": interval.ports.name(), "share": interval.share })).collect();
@@ -147,23 +148,30 @@ fn pwm(averaged: &ValveAverage, poles: &[Pole], ripples: &[(&str, Option<f64>)])
         "duty_from": averaged.duty_range.0,
         "duty_to": averaged.duty_range.1,
         "seats_follow": averaged.follows(),
-        "frequency_over_fastest_pole": over_fastest(averaged, poles),
         "pressure_ripple_pa": averaged.pressure_ripple,
         "pressure_margin_pa": averaged.pressure_margin,
         "ripple_is_small": averaged.ripple_is_small(),
     });
-    for (name, ripple) in ripples {
-        validity[*name] = json!(ripple);
+    for (name, number) in more {
+        validity[*name] = json!(number);
     }
+    // Mean openings: intervals alone do not give them, as a poppet with a stroke is partly open in some of them.
+    let [supply, exhaust] = averaged.shares;
     json!({
+        "of": name,
         "frequency_hz": averaged.frequency,
-        "supply_share": averaged.supply_share(),
+        "duty": averaged.duty,
+        "supply_share": supply,
+        "exhaust_share": exhaust,
         "intervals": intervals,
         "mean_inflow_kg_s": averaged.flow.inward,
         "mean_outflow_kg_s": averaged.flow.outward,
         "validity": validity,
     })
 }
+
+/// Key of the ratio of the pulses' frequency to that of the fastest pole.
+const OVER_FASTEST: &str = "frequency_over_fastest_pole";
 
 /// The PWM's angular frequency over the natural frequency of the fastest pole.
 pub(super) fn over_fastest(averaged: &ValveAverage, poles: &[Pole]) -> Option<f64> {
@@ -173,8 +181,9 @@ pub(super) fn over_fastest(averaged: &ValveAverage, poles: &[Pole]) -> Option<f6
 
 /// The model of a joint as JSON.
 pub(super) fn joint_json(model: &JointModel) -> String {
-    let pulsed = |all: &[ValveAverage]| all.iter().map(|of| pwm(of, &model.poles, &[])).collect::<Vec<_>>();
-    let pulses = Some(model.linear.averages()).filter(|all| !all.is_empty()).map(pulsed);
+    let pulsed = |of: &ValveAverage| pwm(model.whose(of.valve), of, &[(OVER_FASTEST, over_fastest(of, &model.poles))]);
+    let all = Some(model.linear.averages()).filter(|all| !all.is_empty());
+    let pulses = all.map(|all| all.iter().map(pulsed).collect::<Vec<_>>());
     let kind = if model.is_driven() { "joint-averaged-pwm" } else { "joint-held-valves" };
     let parts = (&model.system, &model.delays[..], &model.poles[..], &model.reach[..]);
     document((&model.name, kind), owned(model.point()), parts, &model.assumed, &[("pwm", json!(pulses))])
@@ -182,23 +191,7 @@ pub(super) fn joint_json(model: &JointModel) -> String {
 
 /// The model of a plant as JSON.
 pub(super) fn plant_json(model: &PlantModel) -> String {
-    let pulses = model.linear.averages.iter().map(|of| {
-        json!({
-            "of": model.valve(of.valve),
-            "frequency_hz": of.frequency,
-            "duty": of.duty,
-            "supply_share": of.shares[0],
-            "exhaust_share": of.shares[1],
-            "validity": {
-                "duty_from": of.duty_range.0,
-                "duty_to": of.duty_range.1,
-                "seats_follow": of.follows(),
-                "pressure_ripple_pa": of.pressure_ripple,
-                "pressure_margin_pa": of.pressure_margin,
-                "ripple_is_small": of.ripple_is_small(),
-            },
-        })
-    });
+    let pulses = model.linear.averages.iter().map(|of| pwm(&model.valve(of.valve), of, &[]));
     let dampings = model.dampings().map(|all| {
         let of = |Damping { of, amplitude, frequency, damping }: Damping<'_>| {
             let mut value = as_damping(amplitude, frequency, Some(damping));

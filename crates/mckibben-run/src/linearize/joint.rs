@@ -96,7 +96,7 @@ impl JointModel {
     }
 
     /// Whose a valve is.
-    fn whose(&self, valve: usize) -> &'static str {
+    pub(super) fn whose(&self, valve: usize) -> &'static str {
         let has_valve = self.linear.rig.driven()[0].actuation.is_some();
         NAMES[if has_valve { valve.min(1) } else { 1 }]
     }
@@ -160,7 +160,9 @@ impl JointModel {
         let whose = |valve: usize| format!("{}'s spool", self.whose(valve));
         lines.extend(account::of_spools(&self.linear.plant, whose));
         let of = |stiffness| quantity(stiffness, "N*m/rad");
-        let stiffness = format!("{}, with the valves shut {}", of(open), of(shut));
+        let actuators = self.linear.rig.driven().iter().map(|driven| &driven.actuator);
+        let left_out = account::without_hysteresis(actuators);
+        let stiffness = format!("{}, with the valves shut {}{left_out}", of(open), of(shut));
         lines.push(Line::new("stiffness", stiffness));
         let bounds = self.linear.coulomb_bounds();
         if is_held(bounds) {

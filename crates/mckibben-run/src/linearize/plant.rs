@@ -230,7 +230,7 @@ impl PlantModel {
             );
             let warning = match average.follows() {
                 true => account::of_ripple(average, "the ripple is too large for the mean flow to be trusted"),
-                false => "the valve does not answer to the duty here".to_owned(),
+                false => account::unanswered(average),
             };
             lines.push(Line { warning, ..Line::new(self.valve(average.valve), text) });
         }

@@ -20,11 +20,13 @@ use crate::failure::Failure;
 use crate::linearize::Measure;
 use crate::quantities::{self, digits};
 use crate::report::{Data, Table, number};
+use crate::table::{Cell, Column, Writer};
 use crate::warnings::EFFECTIVENESS;
 use mckibben::{Actuator, GaugePressure};
 use mckibben_plot::{Axis, Colour, Figure, Panel, Series};
 use mckibben_scenario::{Document, presets};
 pub use ripple::Pulses;
+use std::path::Path;
 use std::str::FromStr;
 pub use valve::{Hose, Quickness, ValveTime};
 
@@ -130,6 +132,13 @@ pub struct Sizes {
     pub candidates: Vec<Candidate>,
     /// What does not do it, and why.
     pub left_out: Vec<String>,
+}
+
+/// Numbers of the candidates, each row with the name of its muscle.
+#[derive(Clone, Debug)]
+pub struct NamedData {
+    names: Vec<String>,
+    data: Data,
 }
 
 impl Requirement {
@@ -347,14 +356,15 @@ impl Sizes {
         Table { caption, head: head.into_iter().map(String::from).collect(), rows }
     }
 
-    /// All numbers in SI.
+    /// The candidates with all numbers in SI.
     ///
     /// # Errors
     /// As [`Data::check`].
-    pub fn data(&self) -> Result<Data, Failure> {
+    pub fn data(&self) -> Result<NamedData, Failure> {
         let columns = [
             "rank",
             "count",
+            "braid_angle_rad",
             "length_m",
             "diameter_m",
             "thread_length_m",
@@ -372,13 +382,14 @@ impl Sizes {
             let least = its.quickness.as_ref().and_then(Quickness::conductance).unwrap_or(f64::NAN);
             let [thread, turns] = its.thread;
             let (length, diameter) = (its.length, its.diameter);
-            let sizes = [(place + 1) as f64, its.count as f64, length, diameter, thread, turns];
+            let angle = (length / thread).min(1.0).acos();
+            let sizes = [(place + 1) as f64, its.count as f64, angle, length, diameter, thread, turns];
             let [frequency, duty] = its.pulses.as_ref().map_or([f64::NAN; 2], |of| [of.frequency, of.duty]);
             let rest = [its.contraction, its.needed_pressure, its.force_at_rest, its.air, least, frequency, duty];
             data.rows.push(sizes.into_iter().chain(rest).collect());
         }
         data.check()?;
-        Ok(data)
+        Ok(NamedData { names: self.candidates.iter().map(|its| its.name.clone()).collect(), data })
     }
 
     /// The force of each candidate over its shortening, at the whole pressure, with the load and the stroke.
@@ -410,6 +421,25 @@ impl Sizes {
             .caption(caption)
             .size_mm(120.0, 70.0)
             .panel(panel)
+    }
+}
+
+impl NamedData {
+    /// The table as CSV, with the names behind the ranks; messages name `path`.
+    ///
+    /// # Errors
+    /// [`Failure::output`] when the CSV cannot be made.
+    pub fn to_csv(&self, path: &Path) -> Result<Vec<u8>, Failure> {
+        let mut columns = self.data.columns.clone();
+        columns.insert(1, Column::word("name"));
+        let mut writer = Writer::csv(columns, path, Vec::new())?;
+        for (name, numbers) in self.names.iter().zip(&self.data.rows) {
+            let cell = |value: &f64| if value.is_nan() { Cell::Nothing } else { Cell::Number(*value) };
+            let mut row: Vec<Cell<'_>> = numbers.iter().map(cell).collect();
+            row.insert(1, Cell::Word(name));
+            writer.row(&row)?;
+        }
+        writer.finish(&[])
     }
 }
 

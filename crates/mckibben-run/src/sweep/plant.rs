@@ -10,6 +10,7 @@ use crate::table::Cell;
 use mckibben::Error;
 use mckibben::plant::{PlantLedger, PlantLedgerKeeper, PlantRun, PlantSample, PlantStep};
 use mckibben::valve::Command;
+use mckibben_scenario::sweep::Statistic;
 use mckibben_scenario::{
     PlantColumn, PlantContent, PlantExperiment, PlantQuantity, PlantReduced, PlantReduction, Record, Sweep,
 };
@@ -18,15 +19,17 @@ use mckibben_scenario::{
 pub(super) fn ready<'r>(of: &'r PlantExperiment, choice: Option<&Choice>, sweep: &'r Sweep) -> Result<Row<'r>, Error> {
     let how = step::stepping(&of.run, choice, || of.stepping())?;
     let drivers = of.drivers();
-    let recorder = Recorder::new(of, sweep.plant_columns(), sweep.record());
+    let recorder = Recorder::new(of, sweep.record());
     Row::new(of.run, (&of.plant, &of.start), how, drivers, Box::new(recorder))
 }
 
 /// What is made of the samples of a run.
 struct Recorder<'a> {
     of: &'a PlantExperiment,
-    columns: &'a [PlantColumn],
-    reductions: Option<&'a [PlantReduction]>,
+    /// The columns of samples with their indices in this row; none where reductions are recorded.
+    columns: Vec<PlantColumn>,
+    /// What is reduced, with its indices in this row, and how.
+    reductions: Option<Vec<(PlantReduced, Statistic)>>,
     series: Series<PlantQuantity>,
     rows: Vec<Vec<Cell<'static>>>,
     fault: Option<String>,
@@ -37,16 +40,17 @@ struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    fn new(of: &'a PlantExperiment, columns: &'a [PlantColumn], record: &'a Record) -> Self {
-        let reductions = match record {
-            Record::PlantReductions(list) => Some(list.as_slice()),
-            _ => None,
+    fn new(of: &'a PlantExperiment, record: &Record) -> Self {
+        let in_row = |reduction: &PlantReduction| (reduction.in_row(of), reduction.statistic);
+        let (columns, reductions) = match record {
+            Record::PlantReductions(list) => (Vec::new(), Some(list.iter().map(in_row).collect::<Vec<_>>())),
+            _ => (of.columns(), None),
         };
-        let of_samples = |of: &PlantReduction| match of.of {
-            PlantReduced::Quantity(quantity) => Some((quantity, of.statistic)),
+        let of_samples = |(reduced, statistic): &(PlantReduced, Statistic)| match reduced {
+            PlantReduced::Quantity(quantity) => Some((*quantity, *statistic)),
             PlantReduced::Error(..) | PlantReduced::Air | PlantReduced::Efficiency => None,
         };
-        let records = |wanted: fn(PlantReduced) -> bool| reductions.into_iter().flatten().any(|of| wanted(of.of));
+        let records = |wanted: fn(PlantReduced) -> bool| reductions.iter().flatten().any(|(of, _)| wanted(*of));
         let keeper = records(|of| matches!(of, PlantReduced::Air | PlantReduced::Efficiency))
             .then(|| PlantLedgerKeeper::new(&of.plant, of.run.stepping()));
         let follower = records(|of| matches!(of, PlantReduced::Error(..))).then(|| Follower::new(of));
@@ -55,11 +59,8 @@ impl<'a> Recorder<'a> {
         Self {
             of,
             columns,
+            series: Series::new(reductions.iter().flatten().filter_map(of_samples), Windows::last(period, duration)),
             reductions,
-            series: Series::new(
-                reductions.into_iter().flatten().filter_map(of_samples),
-                Windows::last(period, duration),
-            ),
             rows: Vec::new(),
             fault: None,
             keeper,
@@ -120,7 +121,7 @@ impl rows::Recorder for Recorder<'_> {
         let ledger = self.keeper.zip(run).map(|(keeper, run)| keeper.finish(run));
         let owners = self.follower.as_ref().map_or_else(Vec::new, Follower::owners);
         let goals = self.follower.and_then(Follower::finish).map_or_else(Vec::new, |closed| closed.goals);
-        let value = |reduction: &PlantReduction| match reduction.of {
+        let value = |(reduced, statistic): &(PlantReduced, Statistic)| match *reduced {
             PlantReduced::Air => ledger.as_ref().map(PlantLedger::air_used),
             PlantReduced::Efficiency => {
                 ledger.as_ref().filter(|_| !self.of.plant.network().valves.is_empty())?.total().efficiency()
@@ -128,9 +129,9 @@ impl rows::Recorder for Recorder<'_> {
             PlantReduced::Error(control, quantity) => {
                 let own =
                     goals.iter().zip(&owners).filter(|(goal, owner)| **owner == control && goal.quantity == quantity);
-                missed(own.map(|(goal, _)| goal), reduction.statistic)
+                missed(own.map(|(goal, _)| goal), *statistic)
             }
-            PlantReduced::Quantity(quantity) => self.series.reduced(quantity, reduction.statistic),
+            PlantReduced::Quantity(quantity) => self.series.reduced(quantity, *statistic),
         };
         Outcome::Reduced(
             reductions.iter().map(|reduction| value(reduction).filter(|value| value.is_finite())).collect(),

@@ -374,9 +374,20 @@ fn ready_of(sweep: &Sweep, row: u64) -> Result<Ready, String> {
         within(sweep.record(), plant.run.duration)?;
         return Ok(Ready::Plant(Box::new(plant)));
     }
-    let scenario = sweep.scenario(row).map_err(|error| error.error.to_string())?;
+    let scenario = sweep.scenario(row).map_err(|error| reason(&error.error))?;
     within(sweep.record(), scenario.run.duration)?;
-    describe(&scenario).map_err(|error| error.to_string())
+    describe(&scenario).map_err(|error| reason(&error))
+}
+
+/// Why a row has no run. An entry of a list has the name by which it varies, counted from 0.
+fn reason(error: &Error) -> String {
+    match error {
+        Error::Table { name, problem, entry, remedy } => {
+            let entry = entry.saturating_sub(1);
+            format!("{name}: {problem} at {name}[{entry}], the first entry being {name}[0]; {remedy}")
+        }
+        other => other.to_string(),
+    }
 }
 
 /// That the times that are recorded lie within a run that ends at a time in s.

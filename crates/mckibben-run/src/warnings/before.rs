@@ -1,12 +1,14 @@
 //! What is known before a run: from the commands of the valves, the pressures that are given, and the start.
 
-use super::{BEYOND_STOP, EFFECTIVENESS, Loop, PRESSURE, Parts, STRETCH, Warning, behind, fed, reached, valve};
+use super::{
+    BEYOND_STOP, EFFECTIVENESS, Loop, PRESSURE, Parts, STRETCH, Warning, behind, compared, fed, reached, valve,
+};
 use crate::quantities::{digits, given, given_percent, percent, plain, quantity};
 use mckibben::control::Quantity;
 use mckibben::force::Law;
 use mckibben::load::SeriesTendon;
 use mckibben::mechanism::{Coupling, Mechanism};
-use mckibben::network::{BranchKind, Network, NodeKind};
+use mckibben::network::{BranchKind, NodeKind};
 use mckibben::parameter;
 use mckibben::plant::{Mounted, Plant, PlantRun, PlantStart};
 use mckibben::valve::Port;
@@ -63,9 +65,8 @@ fn of_actuator(of: &Parts<'_>, start: &PlantStart, (index, name): (usize, &str),
         found.push(reached::beyond_pressure(name, &format!("{key} = {} is", given(gauge, "Pa")), key));
     }
     let network = of.plant.network();
-    let supply = (0..network.valves.len())
-        .find(|valve| fed(network, *valve) == Some(index))
-        .and_then(|valve| feed(network, valve));
+    let supply =
+        (0..network.valves.len()).find(|valve| fed(network, *valve) == Some(index)).and_then(|valve| feed(of, valve));
     let gauges: Vec<f64> = [0.0, gauge].into_iter().chain(supply.map(|(_, feed)| feed)).collect();
     found.extend(of_effectiveness(&mounted.actuator, name, &gauges));
     found.extend(of_preset(&mounted.actuator, name));
@@ -77,7 +78,7 @@ fn of_actuator(of: &Parts<'_>, start: &PlantStart, (index, name): (usize, &str),
         // The length of a muscle on a tendon does not show it.
         let text = format!(
             "it starts slack with both ends at one point, from where it has no direction to pull in; raise {}",
-            reached::key_of_length(mechanism, coupling),
+            reached::key_of_length(of, mounted),
         );
         found.push(Warning::new("starts-slack", name, text));
         return found;
@@ -88,12 +89,12 @@ fn of_actuator(of: &Parts<'_>, start: &PlantStart, (index, name): (usize, &str),
             "it starts slack, {} long, below actuator.min_length = {}: the muscle cannot be so short; raise {}",
             quantity(length, "m"),
             quantity(limits.min_length(), "m"),
-            reached::key_of_length(mechanism, coupling),
+            reached::key_of_length(of, mounted),
         );
         found.push(Warning::new("starts-slack", name, text));
     }
     if length > limits.max_length() * (1.0 + STRETCH) {
-        found.push(reached::starts_overstretched(name, [length, limits.max_length()], mechanism, coupling));
+        found.push(reached::starts_overstretched(of, (mounted, name), [length, limits.max_length()]));
     }
     found
 }
@@ -104,7 +105,7 @@ fn of_stops(of: &Parts<'_>, start: &PlantStart) -> Vec<Warning> {
     for (index, (mechanism, angles)) in of.plant.mechanisms().iter().zip(&start.positions).enumerate() {
         let Mechanism::Chain(chain) = mechanism else { continue };
         for (place, (joint, angle)) in chain.joints().iter().zip(angles).enumerate() {
-            let name = of.joints.get(index).and_then(|names| names.get(place)).map_or("", String::as_str);
+            let name = of.joint(index, place);
             let [min, max, at] = match name {
                 "" => ["load.min_angle", "load.max_angle", "initial.angle"].map(str::to_owned),
                 name => ["min_angle", "max_angle", "angle"].map(|key| format!("joints.{name}.{key}")),
@@ -113,10 +114,9 @@ fn of_stops(of: &Parts<'_>, start: &PlantStart) -> Vec<Warning> {
             let below = low.filter(|low| *angle < low - ROUNDING).map(|low| (low, min, ["raise", "lower"]));
             let above = high.filter(|high| *angle > high + ROUNDING).map(|high| (high, max, ["lower", "raise"]));
             found.extend(below.or(above).map(|(stop, key, [change, or])| {
+                let [start, end] = compared([*angle, stop], "rad");
                 let text = format!(
-                    "the joint starts at {}, beyond its stop at {key} = {}, which pushes it back; {change} {at} or {or} {key}",
-                    given(*angle, "rad"),
-                    given(stop, "rad"),
+                    "the joint starts at {start}, beyond its stop at {key} = {end}, which pushes it back; {change} {at} or {or} {key}"
                 );
                 Warning::new(BEYOND_STOP, name, text)
             }));
@@ -140,41 +140,47 @@ fn of_network(of: &Parts<'_>) -> Vec<Warning> {
     }
     for index in 0..network.valves.len() {
         let name = of.valves.get(index).map_or("", String::as_str);
-        let Some((key, feed)) = feed(network, index) else { continue };
+        let Some((key, feed)) = feed(of, index) else { continue };
         if feed > PRESSURE && fed(network, index).is_some() {
             let text = format!("{key} = {} is", given(feed, "Pa"));
-            found.push(reached::beyond_pressure(name, &text, key));
+            found.push(reached::beyond_pressure(name, &text, &key));
         }
     }
     found
 }
 
 /// The gauge pressure in Pa of what feeds a valve, of a tank the highest, with the key that sets it.
-fn feed(network: &Network, valve: usize) -> Option<(&'static str, f64)> {
+pub(super) fn feed(of: &Parts<'_>, valve: usize) -> Option<(String, f64)> {
+    let network = of.plant.network();
     let is_fed = |kind: &BranchKind| match kind {
         BranchKind::Path { valve: its, port, .. } => *its == valve && *port == Port::Supply,
         _ => false,
     };
     let from = network.branches.iter().find(|branch| is_fed(&branch.kind))?.from;
     let node = &network.nodes[from];
-    match node.kind {
-        NodeKind::Source => Some((SUPPLY, node.gauge)),
-        NodeKind::Port { feed, .. } => Some((SUPPLY, feed)),
+    let (key, gauge) = match node.kind {
+        NodeKind::Source => (SUPPLY, node.gauge),
+        NodeKind::Port { feed, .. } => (SUPPLY, feed),
         NodeKind::Reservoir(tank) => {
             let start = (SUPPLY, tank.start().0 - network.atmosphere);
             let filled = tank.switch_pressures().map(|[_, cut_out]| (CUT_OUT, cut_out - network.atmosphere));
-            Some(filled.filter(|filled| filled.1 > start.1).unwrap_or(start))
+            filled.filter(|filled| filled.1 > start.1).unwrap_or(start)
         }
-        _ => None,
-    }
+        _ => return None,
+    };
+    Some((of.key_of_supply(from, key), gauge))
 }
 
 /// What is wrong with a gauge pressure in Pa that an actuator is to have, where it does not lie between the supply of its valve and
 /// the atmosphere, of which either may be lower.
 pub(crate) fn feed_of(plant: &Plant, actuator: usize, gauge: f64) -> Option<String> {
-    let network = plant.network();
+    beyond_feed(&Parts::named(plant, &[]), actuator, gauge)
+}
+
+fn beyond_feed(of: &Parts<'_>, actuator: usize, gauge: f64) -> Option<String> {
+    let network = of.plant.network();
     let valve = (0..network.valves.len()).find(|valve| fed(network, *valve) == Some(actuator))?;
-    let (key, feed) = feed(network, valve)?;
+    let (key, feed) = feed(of, valve)?;
     let rounding = ROUNDING * feed.abs().max(network.atmosphere);
     let (is_above, is_below) = (gauge > feed.max(0.0) + rounding, gauge < feed.min(0.0) - rounding);
     (is_above || is_below).then(|| {
@@ -223,7 +229,7 @@ fn too_low(of: &Parts<'_>, actuator: usize, key: &str, gauge: f64) -> Option<Str
             "{requested} is a gauge pressure and not above vacuum, {vacuum}: it is never reached; raise {key}"
         ));
     }
-    let why = feed_of(of.plant, actuator, gauge).filter(|_| gauge < 0.0)?;
+    let why = beyond_feed(of, actuator, gauge).filter(|_| gauge < 0.0)?;
     Some(format!("{requested} {why}"))
 }
 
@@ -295,14 +301,13 @@ fn of_preset(actuator: &Actuator, name: &str) -> Option<Warning> {
 
 /// What a controller may request of a valve, against what feeds that.
 fn of_request(of: &Parts<'_>, request: GreatestRequest, valve: usize) -> Option<Warning> {
-    let (supply, feed) = feed(of.plant.network(), valve)?;
+    let (supply, feed) = feed(of, valve)?;
     let GreatestRequest { key, gauge_pressure } = request;
     let name = of.valves.get(valve).map_or("", String::as_str);
     (gauge_pressure > feed * (1.0 + ROUNDING)).then(|| {
+        let [requested, made] = compared([gauge_pressure, feed], "Pa");
         let text = format!(
-            "the requested pressure {key} = {} exceeds {supply} = {} and is never reached; lower {key} or raise {supply}",
-            given(gauge_pressure, "Pa"),
-            given(feed, "Pa"),
+            "the requested pressure {key} = {requested} exceeds {supply} = {made} and is never reached; lower {key} or raise {supply}"
         );
         Warning::new(SUPPLY_EXCEEDED, name, text)
     })

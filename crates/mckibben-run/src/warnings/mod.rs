@@ -44,13 +44,14 @@ pub(crate) use reached::Reached;
 
 use crate::joint::NAMES;
 use crate::plant;
-use crate::quantities::{percent, quantity};
+use crate::quantities::{given, percent, plain, quantity};
 use crate::run::{Figures, Ready};
+use crate::units::units;
 use mckibben::control::{Controller as _, JointController as _, Quantity, RegulatorMemory, Sampling, SetPoint};
 use mckibben::network::{Network, NodeKind};
 use mckibben::plant::{Balance, JointPlant, Part, Plant, PlantLedger, PlantStart, RigPlant};
 use mckibben::simulation::JointState;
-use mckibben_scenario::{GreatestRequest, PlantControl};
+use mckibben_scenario::{GreatestRequest, PlantControl, PlantExperiment, PlantNames};
 use std::fmt;
 
 /// Gauge pressure in Pa above which a scenario is doubted: chosen.
@@ -66,6 +67,10 @@ pub const NEGATIVE: f64 = 0.05;
 
 /// That an actuator is longer than its taut length by more than [`STRETCH`].
 const OVERSTRETCHED: &str = "overstretched";
+/// What a file calls the one supply, the one mechanism and the load of an actuator, which have no names.
+const SUPPLY: &str = "supply";
+const MECHANISM: &str = "mechanism";
+const LOAD: &str = "load";
 /// That a joint starts beyond a stop.
 const BEYOND_STOP: &str = "beyond-stop";
 /// The angle in rad by which a joint may miss its equilibrium and be at rest.
@@ -100,6 +105,17 @@ impl fmt::Display for Warning {
     }
 }
 
+/// Two values that a user gave and a warning compares, in four digits, or in as many as it takes to see that they differ.
+fn compared(values: [f64; 2], unit: &str) -> [String; 2] {
+    let short = values.map(|value| given(value, unit));
+    if short[0] != short[1] {
+        return short;
+    }
+    let shown = units().common(unit, values);
+    let long = |decimals: usize| values.map(|value| shown.with(plain(&format!("{:.decimals$}", shown.number(value)))));
+    (1..=f64::DIGITS as usize).map(long).find(|[one, other]| one != other).unwrap_or(short)
+}
+
 /// The warnings of a run: those known before it and those that follow from what it reached, each actuator once for a code. What a run
 /// reached says more than what was known, but that an actuator started too long is why it was.
 pub fn of_run(before: Vec<Warning>, figures: &Figures) -> Vec<Warning> {
@@ -132,10 +148,7 @@ impl Ready {
             Self::Controlled(of) => of_rig(&of.experiment.rig),
             Self::Joint(of) => of_joint(&of.rig),
             Self::ControlledJoint(of) => of_joint(&of.experiment.rig),
-            Self::Plant(of) => {
-                let actuators = of.names.actuators.clone();
-                reached::warnings(&Parts { actuators, ..Parts::named(&of.plant, &[]) }, reached)
-            }
+            Self::Plant(of) => reached::warnings(&Parts::of(of), reached),
         };
         joined(self.warnings(), after)
     }
@@ -166,17 +179,7 @@ impl Ready {
                 };
                 of_joint(&of.experiment.rig, &of.experiment.start, Some(loop_of))
             }
-            Self::Plant(of) => {
-                let parts = Parts {
-                    plant: &of.plant,
-                    actuators: of.names.actuators.clone(),
-                    valves: (0..of.plant.network().valves.len())
-                        .map(|valve| plant::name_of(of, Part::Valve(valve)).to_owned())
-                        .collect(),
-                    joints: of.names.mechanisms.iter().map(|names| names.joints.clone()).collect(),
-                };
-                parts.warnings(&of.start, of.controls.iter().map(Loop::of_plant))
-            }
+            Self::Plant(of) => Parts::of(of).warnings(&of.start, of.controls.iter().map(Loop::of_plant)),
         }
     }
 }
@@ -256,9 +259,8 @@ impl Figures {
                 (view.as_ref().map(of_view).unwrap_or_default(), &seen.ended)
             }
             Self::Plant(of) => {
-                let (plant, actuators) = (&of.experiment.plant, of.experiment.names.actuators.clone());
-                let (parts, seen) = (Parts { actuators, ..Parts::named(plant, &[]) }, &of.observation);
-                (reached::warnings(&parts, &seen.reached), &seen.ended)
+                let seen = &of.observation;
+                (reached::warnings(&Parts::of(&of.experiment), &seen.reached), &seen.ended)
             }
         };
         found.extend(open_balance(&ended.ledger, ended.draws));
@@ -287,12 +289,12 @@ fn open_balance(ledger: &PlantLedger, draws: bool) -> Option<Warning> {
     })
 }
 
-/// A plant with the names of its actuators and valves, and of the joints of each mechanism; the joint of two actuators has none.
+/// A plant with the names of its actuators and valves, and what else its file names, where it is the file of a plant.
 struct Parts<'p> {
     plant: &'p Plant,
     actuators: Vec<String>,
     valves: Vec<String>,
-    joints: Vec<Vec<String>>,
+    names: Option<&'p PlantNames>,
 }
 
 impl<'p> Parts<'p> {
@@ -308,7 +310,50 @@ impl<'p> Parts<'p> {
         let actuators: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
         let of = |valve| fed(plant.network(), valve).and_then(|index| actuators.get(index).cloned());
         let valves = (0..plant.network().valves.len()).map(|valve| of(valve).unwrap_or_default()).collect();
-        Self { plant, actuators, valves, joints: Vec::new() }
+        Self { plant, actuators, valves, names: None }
+    }
+
+    /// Of a plant whose file names its parts.
+    fn of(of: &'p PlantExperiment) -> Self {
+        let valves = 0..of.plant.network().valves.len();
+        Self {
+            plant: &of.plant,
+            actuators: of.names.actuators.clone(),
+            valves: valves.map(|valve| plant::name_of(of, Part::Valve(valve)).to_owned()).collect(),
+            names: Some(&of.names),
+        }
+    }
+
+    /// The name of a joint of a chain; that of two actuators has none.
+    fn joint(&self, mechanism: usize, joint: usize) -> &str {
+        let names = self.names.and_then(|names| names.mechanisms.get(mechanism));
+        names.and_then(|names| names.joints.get(joint)).map_or("", String::as_str)
+    }
+
+    /// The path of a section of a mechanism: `load` where an actuator has it alone.
+    fn section_of(&self, mechanism: usize) -> String {
+        match self.names.and_then(|names| names.mechanisms.get(mechanism)?.name.as_deref()) {
+            None => LOAD.to_owned(),
+            Some(name) if name == MECHANISM => name.to_owned(),
+            Some(name) => format!("mechanisms.{name}"),
+        }
+    }
+
+    /// The path of a key of the supply that a node of the network is, such as `supplies.tank.gauge_pressure`, from that of
+    /// `[supply]`.
+    fn key_of_supply(&self, node: usize, key: &str) -> String {
+        let name = self.names.and_then(|names| names.nodes.iter().find(|(_, its)| *its == node));
+        let Some(name) = name.map(|(name, _)| name.strip_suffix(".reservoir").unwrap_or(name)) else {
+            return key.to_owned();
+        };
+        match (name, key.strip_prefix("supply.")) {
+            (SUPPLY, _) | (_, None) => key.to_owned(),
+            // The supply of one actuator is called after it.
+            (name, Some(_)) if name.contains('.') => {
+                format!("actuators.{}.{key}", name.split('.').next().unwrap_or_default())
+            }
+            (name, Some(own)) => format!("supplies.{name}.{own}"),
+        }
     }
 }
 
@@ -366,6 +411,21 @@ mod tests {
         assert_eq!(of("0.9751"), ["valve-never-closes"]);
         // The valve that is commanded shut, or open, at all times does what is commanded.
         assert!(of("0").is_empty() && of("1").is_empty());
+    }
+
+    /// Numbers that a warning compares differ in its words, however little: 0.0999999 of 40 ms is 3.999996 ms.
+    #[test]
+    fn values_that_are_compared_have_as_many_digits_as_it_takes() {
+        assert_eq!(compared([0.099_999_9 / 25.0, 0.004], "s"), ["3.999996 ms", "4 ms"]);
+        assert_eq!(compared([0.002, 0.004], "s"), ["2 ms", "4 ms"]);
+        assert_eq!(compared([0.999_999_9e-3, 1e-3], "s"), ["0.9999999 ms", "1 ms"]);
+        assert_eq!(compared([6.000_001e5, 6e5], "Pa"), ["6.000001 bar", "6 bar"]);
+        assert_eq!(compared([6e5, 6e5], "Pa"), ["6 bar", "6 bar"]);
+        let mut document = Document::parse(MUSCLE, "muscle.toml").unwrap();
+        document.set_plain_from("--set", "command.duty", "0.0999999").unwrap();
+        let warnings = Ready::of(&document).unwrap().warnings();
+        let text = warnings.first().map_or("", |warning| &warning.text);
+        assert!(text.contains("a pulse of 3.999996 ms is shorter than valve.opening_delay = 4 ms"), "{text}");
     }
 
     /// A pause of a tenth of a period is 4 ms at 25 Hz, and 1 − 0.9 is not 0.1 in binary: the poppet moves all the same.
@@ -693,6 +753,68 @@ mod tests {
             ("initial", "{ length = \"85 mm\" }"),
         ];
         assert!(codes(&empty)[1].is_empty());
+    }
+
+    /// The text of the one warning of a code of a run.
+    fn text_of(code: &str, scenario: &str) -> String {
+        let document = Document::parse(scenario, "muscle.toml").unwrap();
+        let ready = Ready::of(&document).unwrap();
+        let all = of_run(ready.warnings(), &ready.stream(&document, None, End::Duration).unwrap().0);
+        let found: Vec<String> = all.iter().filter(|of| of.code == code).map(ToString::to_string).collect();
+        assert_eq!(found.len(), 1, "{code}: {all:?}");
+        found.concat()
+    }
+
+    /// The taut muscle is 97.79 mm long; 5 % more are 102.7 mm.
+    #[test]
+    fn a_motion_that_goes_too_far_names_its_keys() {
+        let run = "[run]\nduration = \"0.1 s\"\n";
+        let wave = "kind = \"prescribed-motion\"\nlength = \"95 mm\"\namplitude = \"10 mm\"\nfrequency = \"10 Hz\"\n";
+        let table =
+            "kind = \"prescribed-motion\"\ntime = [\"0 s\", \"0.1 s\"]\ntable_length = [\"95 mm\", \"105 mm\"]\n";
+        for (scenario, keys) in [
+            (format!("[load]\n{wave}{run}"), "lower load.length or load.amplitude"),
+            (format!("[load]\n{table}{run}"), "lower load.table_length"),
+            (
+                format!("[mechanism]\n{}{run}[actuators.a]\n", wave.replace("-motion", "")),
+                "lower mechanism.length or mechanism.amplitude",
+            ),
+        ] {
+            let text = text_of(OVERSTRETCHED, &scenario);
+            assert!(text.contains("reaches 105.0 mm") && text.ends_with(keys), "{text}");
+        }
+    }
+
+    /// A sealed muscle has no supply: its motion compresses the air. By the braid's volume and 3 cm³ outside from 70 mm to 90 mm to
+    /// four fifths, 17 bar become 23 bar.
+    #[test]
+    fn a_pressure_of_a_sealed_muscle_names_its_start_and_its_motion() {
+        let motion = "[load]\nkind = \"prescribed-motion\"\nlength = \"80 mm\"\namplitude = \"10 mm\"\n\
+                      frequency = \"10 Hz\"\nphase = \"-90 deg\"\n";
+        let rest = "[initial]\ngauge_pressure = \"16 bar\"\n[run]\nduration = \"0.1 s\"\n";
+        let text = text_of("pressure", &format!("{motion}{rest}"));
+        let remedy = "lower initial.gauge_pressure, or change load.length or load.amplitude";
+        assert!(text.contains(remedy) && !text.contains("supply"), "{text}");
+    }
+
+    /// The supply of a plant has the key that its file has.
+    #[test]
+    fn a_pressure_of_a_named_supply_names_that() {
+        let scenario = "[valve]\nkind = \"two-way\"\nflow_area = \"1 mm^2\"\n[command]\nkind = \"fill\"\n[load]\n\
+                        kind = \"isometric\"\n[initial]\nlength = \"90 mm\"\n[run]\nduration = \"1 ms\"\n\
+                        [supplies.bottle]\ngauge_pressure = \"200 bar\"\n[actuators.a]\n";
+        let document = Document::parse(scenario, "plant.toml").unwrap();
+        let found = Ready::of(&document).unwrap().warnings();
+        assert!(found.len() == 1 && found[0].text.ends_with("lower supplies.bottle.gauge_pressure"), "{found:?}");
+    }
+
+    /// P_g(3L² − b²)/(4πn²) with P_g below zero falls further with the length: a higher pressure alone helps.
+    #[test]
+    fn a_braid_below_the_pressure_of_the_atmosphere_has_the_remedy_that_helps() {
+        let scenario = "[load]\nkind = \"isometric\"\n[initial]\nlength = \"85 mm\"\ngauge_pressure = \"-0.5 bar\"\n[run]\n\
+                        duration = \"10 ms\"\n";
+        let text = text_of("law-negative", scenario);
+        assert!(text.contains("; keep its pressure higher there; ") && !text.contains("min_length"), "{text}");
     }
 
     #[test]

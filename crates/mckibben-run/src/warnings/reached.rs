@@ -2,12 +2,15 @@
 //!
 //! The observers of runs see every sample; [`Reached`] keeps of each actuator the extremes that the warnings need.
 
-use super::{NEGATIVE, OVERSTRETCHED, PRESSURE, Parts, STRENGTH, STRETCH, Warning};
+use super::{LOAD, NEGATIVE, OVERSTRETCHED, PRESSURE, Parts, STRENGTH, STRETCH, Warning, before, behind, fed};
 use crate::observation::Range;
 use crate::quantities::{given, percent, quantity};
 use mckibben::force::{Effectiveness, Law, StaticForce as _};
+use mckibben::load::Motion;
 use mckibben::mechanism::{Coupling, Mechanism};
-use mckibben::plant::ActuatorSample;
+use mckibben::network::NodeKind;
+use mckibben::parameter::{INITIAL_GAUGE_PRESSURE, INITIAL_LENGTH, SERIES_GAUGE_PRESSURE, SUPPLY_GAUGE_PRESSURE};
+use mckibben::plant::{ActuatorSample, Mounted};
 use mckibben::simulation::Sample;
 use mckibben::{AbsolutePressure, Actuator, GaugePressure};
 
@@ -88,22 +91,18 @@ impl Reached {
 
 /// The warnings of what each actuator reached.
 pub(super) fn warnings(of: &Parts<'_>, reached: &[Reached]) -> Vec<Warning> {
-    let mounted = of.plant.actuators().iter().zip(&of.actuators).zip(reached);
-    mounted
-        .flat_map(|((mounted, name), reached)| {
-            let mechanism = &of.plant.mechanisms()[mounted.mechanism];
-            of_actuator(&mounted.actuator, mechanism, name, reached)
-        })
-        .collect()
+    let mounted = of.plant.actuators().iter().zip(&of.actuators).zip(reached).enumerate();
+    mounted.flat_map(|(index, ((mounted, name), reached))| of_actuator(of, (index, mounted, name), reached)).collect()
 }
 
-fn of_actuator(actuator: &Actuator, mechanism: &Mechanism, name: &str, reached: &Reached) -> Vec<Warning> {
+fn of_actuator(of: &Parts<'_>, (index, mounted, name): (usize, &Mounted, &str), reached: &Reached) -> Vec<Warning> {
     let mut found = Vec::new();
+    let (actuator, mechanism) = (&mounted.actuator, &of.plant.mechanisms()[mounted.mechanism]);
     let longest = actuator.limits().max_length();
     let gauge = reached.gauge_pressure.greatest;
     if gauge > PRESSURE {
         let what = format!("the gauge pressure reaches {},", quantity(gauge, "Pa"));
-        found.push(beyond_pressure(name, &what, "supply.gauge_pressure or initial.gauge_pressure"));
+        found.push(beyond_pressure(name, &what, &keys_of_pressure(of, (index, mounted))));
     }
     let (tension, bound) = (reached.tension.greatest, strength(actuator));
     if tension > bound {
@@ -112,26 +111,66 @@ fn of_actuator(actuator: &Actuator, mechanism: &Mechanism, name: &str, reached: 
             quantity(tension, "N"),
             quantity(bound, "N"),
             given(STRENGTH, "Pa"),
-            remedy_of_load(mechanism),
+            remedy_of_load(of, mounted),
         );
         found.push(Warning::new("tension", name, text));
     }
     if reached.length.greatest > longest * (1.0 + STRETCH) {
         let length = quantity(reached.length.greatest, "m");
-        let cause = format!("the load exceeds what the braid holds; {}", remedy_of_load(mechanism));
+        let cause = match mechanism {
+            Mechanism::Mass(_) | Mechanism::Chain(_) => "the load exceeds what the braid holds; ",
+            Mechanism::Prescribed(_) | Mechanism::Fixed | Mechanism::External { .. } => "",
+        };
+        let cause = format!("{cause}{}", remedy_of_load(of, mounted));
         found.push(overstretched(name, &format!("reaches {length}"), reached.length.greatest, longest, &cause));
     }
     if matches!(mechanism, Mechanism::Mass(_)) && reached.distance.least < 0.0 {
         let text = format!(
-            "the load is thrown above the attachment, to a distance of {}, where the muscle itself is; lower \
-             supply.gauge_pressure or raise the load",
+            "the load is thrown above the attachment, to a distance of {}, where the muscle itself is; lower {} or raise the load",
             quantity(reached.distance.least, "m"),
+            key_of_pressure(of, (index, mounted)),
         );
         found.push(Warning::new("thrown", name, text));
     }
     found.extend(extrapolated(actuator, name, reached));
-    found.extend(negative(name, reached));
+    found.extend(negative(actuator, name, reached));
     found
+}
+
+/// The key of what makes the pressure in an actuator: its supply, a given pressure, or of a sealed one that of its start.
+fn key_of_pressure(of: &Parts<'_>, (index, mounted): (usize, &Mounted)) -> String {
+    let network = of.plant.network();
+    let mut valves = (0..network.valves.len()).filter(|valve| fed(network, *valve) == Some(index));
+    let is_given = mounted.pressure.is_some()
+        || (0..network.nodes.len()).any(|node| {
+            matches!(network.nodes[node].kind, NodeKind::Given { .. }) && behind(network, node) == Some(index)
+        });
+    match valves.next() {
+        Some(valve) => before::feed(of, valve).map_or_else(|| SUPPLY_GAUGE_PRESSURE.key.to_owned(), |(key, _)| key),
+        None if is_given => SERIES_GAUGE_PRESSURE.key.to_owned(),
+        None => INITIAL_GAUGE_PRESSURE.key.to_owned(),
+    }
+}
+
+/// What to lower where a gauge pressure rises too high; what moves a sealed actuator compresses its air.
+fn keys_of_pressure(of: &Parts<'_>, (index, mounted): (usize, &Mounted)) -> String {
+    let key = key_of_pressure(of, (index, mounted));
+    let start = INITIAL_GAUGE_PRESSURE.key;
+    let section = of.section_of(mounted.mechanism);
+    match &of.plant.mechanisms()[mounted.mechanism] {
+        _ if key == SERIES_GAUGE_PRESSURE.key => key,
+        _ if key != start => format!("{key} or {start}"),
+        Mechanism::Fixed => key,
+        Mechanism::Prescribed(Motion::Sinusoid { .. }) => {
+            format!("{key}, or change {section}.length or {section}.amplitude, by which the motion compresses the air")
+        }
+        Mechanism::Prescribed(Motion::Table { .. }) => {
+            format!("{key}, or change {section}.table_length, by which the motion compresses the air")
+        }
+        Mechanism::Mass(_) | Mechanism::Chain(_) | Mechanism::External { .. } => {
+            format!("{key}, or let the load compress the air less")
+        }
+    }
 }
 
 /// The tension in N that the ideal braid makes at [`STRENGTH`] and its taut length: what the braid is taken to hold.
@@ -151,21 +190,20 @@ pub(super) fn beyond_pressure(name: &str, what: &str, key: &str) -> Warning {
 
 /// That an actuator starts longer than it can be: by what its start says, or where that is found from the load, by the load.
 pub(super) fn starts_overstretched(
-    name: &str,
+    of: &Parts<'_>,
+    (mounted, name): (&Mounted, &str),
     [length, longest]: [f64; 2],
-    mechanism: &Mechanism,
-    coupling: &Coupling,
 ) -> Warning {
-    let by_load = match mechanism {
+    let by_load = match of.plant.mechanisms()[mounted.mechanism] {
         Mechanism::Mass(_) => {
             format!(
                 "; where the scenario does not give it, the load exceeds what the braid holds: {}",
-                remedy_of_load(mechanism)
+                remedy_of_load(of, mounted)
             )
         }
         _ => String::new(),
     };
-    let cause = format!("lower {}{by_load}", key_of_length(mechanism, coupling));
+    let cause = format!("lower {}{by_load}", key_of_length(of, mounted));
     overstretched(name, &format!("starts at {}", quantity(length, "m")), length, longest, &cause)
 }
 
@@ -179,27 +217,34 @@ fn overstretched(name: &str, reaches: &str, length: f64, longest: f64, cause: &s
     Warning::new(OVERSTRETCHED, name, text)
 }
 
-/// What to change where a load pulls too hard.
-fn remedy_of_load(mechanism: &Mechanism) -> &'static str {
-    match mechanism {
-        Mechanism::Mass(_) => "lower load.mass or load.force, or raise the pressure",
-        Mechanism::Chain(_) => "lower the load of the joint, change the rest length over it, or give it stops",
-        Mechanism::Prescribed(_) => "shorten load.motion",
-        Mechanism::Fixed => "lower initial.length",
-        Mechanism::External { .. } => "give shorter distances",
+/// What to change where a load pulls too hard, or a motion goes too far.
+fn remedy_of_load(of: &Parts<'_>, mounted: &Mounted) -> String {
+    match &of.plant.mechanisms()[mounted.mechanism] {
+        Mechanism::Mass(_) => {
+            let section = of.section_of(mounted.mechanism);
+            format!("lower {section}.mass or {section}.force, or raise the pressure")
+        }
+        Mechanism::Chain(_) => {
+            "lower the load of the joint, change the rest length over it, or give it stops".to_owned()
+        }
+        Mechanism::External { .. } => "give shorter distances".to_owned(),
+        Mechanism::Prescribed(_) | Mechanism::Fixed => format!("lower {}", key_of_length(of, mounted)),
     }
 }
 
-/// The key that says how long an actuator starts.
-pub(super) fn key_of_length(mechanism: &Mechanism, coupling: &Coupling) -> &'static str {
-    match mechanism {
-        Mechanism::Mass(_) | Mechanism::Fixed => "initial.length",
-        Mechanism::Chain(_) if matches!(coupling, Coupling::Points(_)) => {
-            "the distance between coupling.origin and coupling.insertion, or start at another angle"
+/// The key that says how long an actuator starts, and where its length is given how long it is.
+pub(super) fn key_of_length(of: &Parts<'_>, mounted: &Mounted) -> String {
+    let section = of.section_of(mounted.mechanism);
+    match &of.plant.mechanisms()[mounted.mechanism] {
+        Mechanism::Mass(_) | Mechanism::Fixed if section == LOAD => INITIAL_LENGTH.key.to_owned(),
+        Mechanism::Mass(_) | Mechanism::Fixed => format!("{section}.position"),
+        Mechanism::Chain(_) if matches!(mounted.coupling, Coupling::Points(_)) => {
+            "the distance between coupling.origin and coupling.insertion, or start at another angle".to_owned()
         }
-        Mechanism::Chain(_) => "the rest length over the joint, or start at another angle",
-        Mechanism::Prescribed(_) => "the length of load.motion",
-        Mechanism::External { .. } => "the distance that the host gives",
+        Mechanism::Chain(_) => "the rest length over the joint, or start at another angle".to_owned(),
+        Mechanism::Prescribed(Motion::Sinusoid { .. }) => format!("{section}.length or {section}.amplitude"),
+        Mechanism::Prescribed(Motion::Table { .. }) => format!("{section}.table_length"),
+        Mechanism::External { .. } => "the distance that the host gives".to_owned(),
     }
 }
 
@@ -253,9 +298,12 @@ fn ends(bounds: impl Fn(usize) -> (Option<f64>, Option<f64>)) -> Option<[f64; 2]
 /// A push in N that the rounding of pressures makes: of a millipascal on ten square centimetres.
 const ROUNDING: f64 = 1e-6;
 
-/// That the law gives a force that pushes, which no load takes from a muscle: a law that is wrong there, or a muscle that is pressed
-/// together, as a measured one with a stiff wall below its length at rest.
-fn negative(name: &str, reached: &Reached) -> Option<Warning> {
+/// A part of a length, and a gauge pressure in Pa, by which a change shows whether it raises a force.
+const PROBE: [f64; 2] = [1e-3, 100.0];
+
+/// That the law gives a force that pushes, which no load takes from a muscle: a law that is wrong there, a muscle that is pressed
+/// together, as a measured one with a stiff wall below its length at rest, or a braid below the pressure of the atmosphere.
+fn negative(actuator: &Actuator, name: &str, reached: &Reached) -> Option<Warning> {
     let [force, length, gauge] = reached.least_force;
     let is_more_than_rounding = force < -ROUNDING && force < -NEGATIVE * reached.tension.greatest;
     if !is_more_than_rounding {
@@ -263,10 +311,21 @@ fn negative(name: &str, reached: &Reached) -> Option<Warning> {
     }
     // Less than a pascal is rounding of the atmosphere.
     let gauge = if gauge.abs() < 1.0 { 0.0 } else { gauge };
+    // What helps depends on the law: below the pressure of the atmosphere a braid pushes the more, the longer it is.
+    let rises = |length: f64, gauge: f64| actuator.law().force(length, GaugePressure(gauge)) > force;
+    let keep = match (rises(length * (1.0 + PROBE[0]), gauge), rises(length, gauge + PROBE[1])) {
+        (true, true) => "keep the muscle longer or its pressure higher there",
+        (true, false) => "keep the muscle longer there",
+        (false, true) => "keep its pressure higher there",
+        (false, false) => "keep the muscle from there",
+    };
+    let or = match gauge < 0.0 {
+        true => "; a braid alone does not pull below the pressure of the atmosphere",
+        false => "; where the law does not hold there, raise actuator.min_length or correct actuator.force",
+    };
     let text = format!(
         "the law of force gives {} at a length of {} and a gauge pressure of {}: there it pushes, and the tension is kept at zero; \
-         keep the muscle longer or its pressure higher there; where the law does not hold there, raise actuator.min_length or \
-         correct actuator.force",
+         {keep}{or}",
         quantity(force, "N"),
         quantity(length, "m"),
         quantity(gauge, "Pa"),

@@ -3,7 +3,7 @@
 //! A pulse that is shorter than the delay of its path does not move the poppet, and neither does a pause that is shorter than the
 //! delay of the way back. One pulse, or pause, that is long enough is enough. One that equals the delay but for rounding moves it.
 
-use super::{Parts, Warning};
+use super::{Parts, Warning, compared};
 use crate::quantities::given;
 use mckibben::control::Sampling;
 use mckibben::internals::SIMULTANEOUS;
@@ -28,7 +28,7 @@ fn of_valve(of: &Actuation, name: &str) -> Option<Warning> {
         ];
         for (code, verb, lasting, (key, delay), word, remedy) in found {
             if let Some(lasting) = lasting.filter(|lasting| *lasting + rounding < delay) {
-                let (lasting, delay) = (given(lasting, "s"), given(delay, "s"));
+                let [lasting, delay] = compared([lasting, delay], "s");
                 let text = format!(
                     "the valve never {verb} to the {where_to}: {word} of {lasting} is shorter than {key} = {delay}; {remedy}"
                 );
@@ -52,11 +52,10 @@ pub(super) fn of_controller(of: &Actuation, name: &str, pulses: &Sampling) -> Op
             true => format!("give a {} below {}", PULSE_FREQUENCY.key, given(1.0 / delay, "Hz")),
             false => format!("lower {} = {}", PULSE_FREQUENCY.key, given(pulses.pulse_frequency(), "Hz")),
         };
+        let [period, delay] = compared([period, delay], "s");
         let text = format!(
-            "the pulses of the controller never open the valve to the supply, only its full output does: a whole period of {} is \
-             shorter than {key} = {}; {remedy}",
-            given(period, "s"),
-            given(delay, "s"),
+            "the pulses of the controller never open the valve to the supply, only its full output does: a whole period of {period} \
+             is shorter than {key} = {delay}; {remedy}"
         );
         Warning::new("valve-never-opens", name, text)
     })

@@ -73,7 +73,10 @@ impl Document {
     fn diagnose_store(&self, error: &Error, store: &Store) -> Diagnostic {
         match store.name.strip_suffix(".supply") {
             Some(actuator) => self.of_actuator(actuator).diagnose(error),
-            None => self.of_supply(&store.name).diagnose(error),
+            None => {
+                let found = self.of_supply(&store.name).diagnose(error);
+                if store.name == SUPPLY { found } else { found.of_supply(&store.name) }
+            }
         }
     }
 

@@ -3,15 +3,15 @@
 //! A valve needs a supply and a command; a command needs a valve. `hold` and a choice of the states of a pulse need a
 //! valve that can close.
 
-use super::flow_path::{EXHAUST, SUPPLY, flow_path};
+use super::flow_path::{EXHAUST, Rows, SUPPLY, flow_path};
 use super::{columns, controller, gauge_pressure, line};
 use crate::choice::{CommandKind, CommandState, ExhaustTemperature, ValveKind, Word};
 use crate::diagnostic::{Class, Diagnostic, Place};
 use crate::keys::CONTROLLER;
-use crate::presets;
+use crate::presets::{self, Preset};
 use crate::reader::Reader;
 use crate::scenario::{Air, Command, FlowPath, ProportionalRegulator, Spool, Supply, Valve};
-use mckibben::parameter as p;
+use mckibben::parameter::{self as p, Parameter};
 
 /// Keys of a valve with seats.
 pub(crate) const SEATS: &[&str] =
@@ -66,6 +66,9 @@ fn valve(r: &mut Reader<'_>) -> Option<Valve> {
     if kind.is_none() && !r.has("valve.kind") && !misspelt {
         r.missing("valve.kind", "");
     }
+    if let Some(preset) = preset {
+        check_reaches(r, preset);
+    }
     let own = SUPPLY.begun(|row| r.has(row.key));
     let exhaust = flow_path(r, &EXHAUST, preset.filter(|_| !own));
     let flow_path = flow_path(r, &SUPPLY, preset).unwrap_or_else(|| {
@@ -103,6 +106,24 @@ fn valve(r: &mut Reader<'_>) -> Option<Valve> {
         laminar_ratio,
         exhaust_temperature,
     })
+}
+
+/// Notes a preset that a user sets in addition to the file, as by `--set`, and of which the file replaces every value.
+fn check_reaches(r: &mut Reader<'_>, preset: &Preset) {
+    let Some(key) = r.key_place("valve.preset").filter(|place| place.source().is_setting()) else { return };
+    let begun = |rows: &Rows| rows.begun(|row| r.has(row.key));
+    // A flow path is replaced as a whole, and that to the supply replaces the exhaust of a preset too.
+    let (own, exhaust) = (begun(&SUPPLY), begun(&EXHAUST));
+    let is_replaced = |row: &Parameter| {
+        r.has(row.key) || (own && (SUPPLY.has(row) || EXHAUST.has(row))) || (exhaust && EXHAUST.has(row))
+    };
+    let of_values = preset.values.iter().all(|value| is_replaced(value.parameter));
+    if of_values && preset.words.iter().all(|(path, _)| r.has(path)) {
+        let title =
+            format!("`valve.preset` = \"{}\" is set, and the file states every value that it gives", preset.name);
+        let help = "leave it out, or remove from [valve] in the file the values that the preset is to give";
+        r.note(Diagnostic::at(Class::NotApplicable, key, title, "reaches nothing").help(help));
+    }
 }
 
 /// Notes what only a pressure regulator has, where a preset says that the valve is another.

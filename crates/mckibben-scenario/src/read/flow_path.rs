@@ -42,6 +42,12 @@ impl Rows {
         [vec![self.flow_area], vec![self.sonic_conductance, self.critical_ratio], vec![self.kv], vec![self.cv]]
     }
 
+    /// Whether a row is one of these.
+    pub(super) fn has(&self, row: &Parameter) -> bool {
+        let ways = self.ways();
+        ways.iter().flatten().chain([&self.pressure_drop_ratio]).any(|own| own.key == row.key)
+    }
+
     /// Whether any of the ways is begun.
     pub(crate) fn begun(&self, gives: impl Fn(&Parameter) -> bool) -> bool {
         self.ways().iter().flatten().any(|row| gives(row))

@@ -6,7 +6,7 @@
 use super::{body, conditions, drive, flow_path, line, mechanism};
 use crate::choice::{CommandKind, InletKind, PressurePlace, ValveOutput};
 use crate::diagnostic::{Class, Diagnostic, Diagnostics, Place};
-use crate::document::{Document, Value};
+use crate::document::{Document, Entry, Value};
 use crate::keys::{self, ACTUATORS, CONTROLLER, SUPPLIES};
 use crate::plant::parts::SUPPLY;
 use crate::plant::{Frame, Inlet, Member, Mount, PlantScenario, Store};
@@ -24,6 +24,20 @@ static INLET: flow_path::Rows = flow_path::Rows {
     cv: &keys::INLET_CV,
     pressure_drop_ratio: &keys::INLET_DROP,
 };
+
+/// What was noted of an actuator, and the actuator, where it could be read.
+type Read = (Vec<Diagnostic>, Option<Member>);
+
+/// The document as it stands for one actuator.
+struct ActuatorPart<'n> {
+    name: &'n str,
+    place: &'n Place,
+    document: Document,
+    /// The supply that its valve draws from; empty where that is the actuator's own.
+    supply: Option<String>,
+    /// Whether it has its own load, and spans no mechanism.
+    has_load: bool,
+}
 
 impl Document {
     /// Reads the plant that the document describes.
@@ -53,8 +67,9 @@ impl Document {
         let (Some(stores), Some(frames)) = (stores, frames) else { return Err(of_mistakes(reader)) };
         self.check_pairs(r, &frames);
         let mut unread = Unread::of(self);
-        let members = actuators.iter().map(|named| self.read_member(r, *named, (&stores, &frames), &mut unread));
-        let members: Vec<Option<Member>> = members.collect();
+        let parts = actuators.iter().map(|named| self.part(r, *named, (&stores, &frames), &mut unread));
+        let parts: Vec<Option<ActuatorPart<'_>>> = parts.collect();
+        let members = self.read_members(r, parts, &frames);
         mechanism::check_unread(r, self, &frames, &mut unread);
         r.check_unread(unread);
         let members: Option<Vec<Member>> = members.into_iter().collect();
@@ -335,13 +350,14 @@ impl Document {
         Some(Store { name, supply: supply?, from: feeder.map(|(index, _)| index), inlet, valve, hose })
     }
 
-    fn read_member(
+    /// The document as it stands for an actuator; `None` when there is a mistake, which has been noted.
+    fn part<'n>(
         &self,
         r: &mut Reader<'_>,
-        (name, place): (&str, &Place),
+        (name, place): (&'n str, &'n Place),
         (stores, frames): (&[Store], &[Frame]),
         unread: &mut Unread<'_>,
-    ) -> Option<Member> {
+    ) -> Option<ActuatorPart<'n>> {
         let own = |section: &str| format!("{ACTUATORS}.{name}.{section}");
         let mut document = self.of_actuator(name);
         let mut supply = None;
@@ -390,8 +406,98 @@ impl Document {
             document.remove("load");
         }
         unread.read_in(&document);
-        let mut part = Reader::of_part(&document, r);
+        Some(ActuatorPart { name, place, document, supply, has_load })
+    }
+
+    /// Reads the actuators. A value that the file states for all of them holds for those that can use it; it is a mistake if none
+    /// of them can.
+    fn read_members(
+        &self,
+        r: &mut Reader<'_>,
+        mut parts: Vec<Option<ActuatorPart<'_>>>,
+        frames: &[Frame],
+    ) -> Vec<Option<Member>> {
+        let read = |r: &Reader<'_>, part: &ActuatorPart<'_>| self.read_member(r, part, frames);
+        let mut read_of: Vec<Option<Read>> = parts.iter().map(|part| part.as_ref().map(|part| read(r, part))).collect();
+        let common = self.stated_for_all();
+        let is_unused = |of: &Option<Read>, entry: &Entry| {
+            let is_it = |found: &Diagnostic| {
+                found.class() == Class::NotApplicable
+                    && found.place().is_some_and(|place| entry.key.is(place) || entry.node.place.is(place))
+            };
+            of.as_ref().is_some_and(|(found, _)| found.iter().any(is_it))
+        };
+        for (path, entry) in common {
+            let has_it = |part: &ActuatorPart<'_>| {
+                part.document.entry(path.as_str()).is_some_and(|its| its.node.place.is(&entry.node.place))
+            };
+            let uses_it = |(part, of): (&Option<ActuatorPart<'_>>, &Option<Read>)| {
+                part.as_ref().is_some_and(has_it) && !is_unused(of, entry)
+            };
+            if !parts.iter().zip(&read_of).any(uses_it) {
+                continue;
+            }
+            for (part, of) in parts.iter_mut().zip(&mut read_of).filter(|(_, of)| is_unused(of, entry)) {
+                let (Some(part), Some(of)) = (part.as_mut().filter(|part| has_it(part)), of) else { continue };
+                let mut without = part.document.clone();
+                without.remove(path.as_str());
+                let whole = std::mem::replace(&mut part.document, without);
+                let (found, member) = read(r, part);
+                // What an actuator must have and cannot use is not missing there: it stays at fault.
+                if found.iter().all(|found| of.0.contains(found)) {
+                    *of = (found, member);
+                } else {
+                    part.document = whole;
+                }
+            }
+        }
+        let taken = parts.iter().zip(read_of).map(|(part, of)| {
+            let (found, member) = of?;
+            let name = part.as_ref()?.name;
+            // What is the actuator's own has its name, and so has a choice by default in its own section; what is of all has not.
+            let named = |path: &str| {
+                let own = format!("{ACTUATORS}.{name}.{}", path.strip_prefix("actuator.").unwrap_or(path));
+                let is_choice = keys::key_at(path).is_some_and(|key| matches!(key.kind, keys::Kind::Choice(_)));
+                let in_own = || own.rsplit_once('.').is_some_and(|(section, _)| self.contains(section));
+                let is_unsaid = || is_choice && !self.contains(path) && !path.starts_with("actuator.") && in_own();
+                (self.contains(&own) || is_unsaid()).then_some(own)
+            };
+            if r.take_all(found, named) { member } else { None }
+        });
+        taken.collect()
+    }
+
+    /// The values that the file states for all actuators, each with its path.
+    fn stated_for_all(&self) -> Vec<(String, &Entry)> {
+        let mut unread = Unread::of(self).into_entries();
+        let air = self.entry("air").map(|entry| &entry.node.value);
+        if let Some(Value::Table(table)) = air {
+            unread.extend(table.0.iter().map(|entry| (format!("air.{}", entry.name), entry)));
+        }
+        unread
+    }
+
+    /// Reads one actuator: what was noted, and the actuator, where it could be read.
+    fn read_member(
+        &self,
+        r: &Reader<'_>,
+        ActuatorPart { name, place, document, supply, has_load }: &ActuatorPart<'_>,
+        frames: &[Frame],
+    ) -> Read {
+        let mut part = Reader::of_part(document, r);
         let of = &mut part;
+        let member = self.member(of, (name, place), (document, supply.as_ref(), *has_load), frames);
+        (part.into_mistakes(), member)
+    }
+
+    fn member(
+        &self,
+        of: &mut Reader<'_>,
+        (name, place): (&str, &Place),
+        (document, supply, has_load): (&Self, Option<&String>, bool),
+        frames: &[Frame],
+    ) -> Option<Member> {
+        let own = |section: &str| format!("{ACTUATORS}.{name}.{section}");
         let actuator = body::actuator(of);
         let air = body::air(of);
         let (supplied, valve, command) = drive::drive(of, &air);
@@ -413,7 +519,7 @@ impl Document {
             load = conditions::load(of, &air);
             // What no actuator says is missing once, for all that share the load.
             let says_length = |of: &str| self.contains(&format!("{ACTUATORS}.{of}.{}", p::INITIAL_LENGTH.key));
-            let shared = !r.has(&own("load")) && !self.named(ACTUATORS).iter().any(|(of, _)| says_length(of));
+            let shared = !self.contains(&own("load")) && !self.named(ACTUATORS).iter().any(|(of, _)| says_length(of));
             let owner = if shared { conditions::Owner::All } else { conditions::Owner::Named(name, place) };
             initial = conditions::initial(of, load.as_ref(), pressure.as_ref(), &air, owner);
             mount = Some(Mount::Own);
@@ -430,14 +536,8 @@ impl Document {
             // It stands in for the mechanism, which is not used here.
             load = Some(Load::Isometric);
             initial = on_mechanism(of, tendon.is_some(), pressure.as_ref(), &air);
-            mount = mechanism::mount(of, &document, name, place, frames);
+            mount = mechanism::mount(of, document, name, place, frames);
         }
-        // What is the actuator's own has its name; what is of all has not.
-        let named = |path: &str| {
-            let path = format!("{ACTUATORS}.{name}.{}", path.strip_prefix("actuator.").unwrap_or(path));
-            self.contains(&path).then_some(path)
-        };
-        let sound = r.take(part, named);
         let run = crate::scenario::Run {
             duration: 1.0,
             sample_interval: 1.0,
@@ -460,8 +560,7 @@ impl Document {
             initial,
             run,
         };
-        let (name, mount) = (name.to_owned(), mount?);
-        sound.then_some(Member { name, alone, supply, output, mount })
+        Some(Member { name: name.to_owned(), alone, supply: supply.cloned(), output, mount: mount? })
     }
 }
 

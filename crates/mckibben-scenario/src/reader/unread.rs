@@ -28,6 +28,11 @@ impl<'d> Unread<'d> {
         Self(found)
     }
 
+    /// Each value with its path.
+    pub(crate) fn into_entries(self) -> Vec<(String, &'d Entry)> {
+        self.0
+    }
+
     /// Takes out what the document as it stands for one actuator still has.
     pub(crate) fn read_in(&mut self, part: &Document) {
         let is_there =

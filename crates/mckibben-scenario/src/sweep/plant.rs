@@ -59,7 +59,7 @@ pub struct PlantReduction {
     pub name: String,
     /// SI unit; empty for a pure number.
     pub unit: &'static str,
-    /// What is reduced.
+    /// What is reduced, with the indices of the first row: [`PlantReduction::in_row`].
     pub of: PlantReduced,
     /// How.
     pub statistic: Statistic,
@@ -69,6 +69,12 @@ impl PlantReduction {
     /// Name of the column in a table, such as `flexor_pressure_final_pa`.
     pub fn column(&self) -> String {
         column_of(&self.name, self.unit)
+    }
+
+    /// What is reduced in a row, whose plant may hold it at other indices than the first row.
+    pub fn in_row(&self, of: &PlantExperiment) -> PlantReduced {
+        // Not reached: rows with other columns than the first are refused.
+        named(&self.name, of).map_or(self.of, |found| found.of)
     }
 }
 
@@ -109,7 +115,7 @@ impl Swept {
         }
         self.left_out.iter().for_each(|of| of.leave_out(&mut document));
         match document.plant_experiment() {
-            Ok(Some(experiment)) if experiment.columns() == self.columns => Ok(experiment),
+            Ok(Some(experiment)) if have_equal_titles(&experiment.columns(), &self.columns) => Ok(experiment),
             Ok(Some(_)) => Err("this row has other columns than the first; run one sweep for each".to_owned()),
             Ok(None) => Err("this row describes no plant".to_owned()),
             Err(found) => Err(found.iter().next().map_or_else(String::new, |first| first.title().to_owned())),
@@ -120,6 +126,13 @@ impl Swept {
     pub(super) fn text(&self) -> String {
         self.document.to_toml()
     }
+}
+
+/// Whether two rows fill one table. Where the values stand within each plant may differ: an inlet that is always open is a valve
+/// of the air network, and one that opens one way is not.
+fn have_equal_titles(one: &[PlantColumn], other: &[PlantColumn]) -> bool {
+    let title = |of: &PlantColumn| (of.name.clone(), of.unit);
+    one.iter().map(title).eq(other.iter().map(title))
 }
 
 /// What is recorded of a plant, by the words of the file; `given` says whether the file names reductions.

@@ -96,6 +96,7 @@ impl Document {
         let bases = bases(self, &varied, &left_out, words)?;
         let Some((record, Base { scenario: first, .. })) = record.zip(bases.first()) else { return Ok(None) };
         check_joints(self, &bases)?;
+        check_presets(&varied, &bases)?;
         let record = match record {
             Record::Reductions(_) if first.has_joint() && !self.contains("sweep.reductions") => {
                 Record::Reductions(DEFAULT_OF_JOINT.to_vec())
@@ -325,6 +326,26 @@ impl Base {
         let braids = [first.then(|| document.stated_braid()), of_second.then(|| second.stated_braid())];
         Self { scenario, sets_second, braids }
     }
+}
+
+/// Refuses presets that change nothing, since the file states every value in which they differ.
+fn check_presets(varied: &[Varied<'_>], bases: &[Base]) -> Result<(), Diagnostics> {
+    // The last of the keys for each of whose values there is a base changes first.
+    let mut stride = 1;
+    for of in varied.iter().rev() {
+        let Some(count) = of.read_each_row().and_then(|count| usize::try_from(count).ok()) else { continue };
+        let is_equal = |(index, base): (usize, &Base)| {
+            let first = &bases[index - (index / stride % count) * stride];
+            base.scenario == first.scenario && base.braids == first.braids
+        };
+        if count > 1 && of.path.ends_with(".preset") && bases.iter().enumerate().all(is_equal) {
+            let title = format!("`{}` varies, and the file states every value in which its presets differ", of.path);
+            let found = Diagnostic::at(Class::NotApplicable, of.key.clone(), title, "changes no row");
+            return Err(found.help("remove it, or the values in the file that the presets are to give").into());
+        }
+        stride *= count;
+    }
+    Ok(())
 }
 
 /// Refuses a joint in some rows and one actuator in others: what is recorded of the two differs.

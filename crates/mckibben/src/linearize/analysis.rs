@@ -20,8 +20,11 @@
 //! Apparatus and Systems 101, 1982), to which it reduces where c and b have one entry each. By the integral it needs no
 //! eigenvectors, which equal poles do not determine one by one.
 //!
-//! The rank of controllability is a matter of rounding, its condition is not: how many times harder the least reachable
-//! combination of states is to reach than the most reachable one, in times of the fastest pole.
+//! The rank of controllability is that of the staircase form (Paige, IEEE Trans. Automatic Control 26, 1981): of one input the
+//! balanced `A` with orthogonal transformations to upper Hessenberg form, the first of which turns `b` into the first state. Each
+//! state moves the next one by an entry below the diagonal; the first that is rounding ends what the input reaches. Powers of `A`,
+//! which grow apart as the poles do, have no part in it. The condition has them: how many times harder the least reachable combination
+//! of states is to reach than the most reachable one, in times of the fastest pole.
 //!
 //! Eigenvalues, singular values and linear equations are those of the crate `nalgebra`. Source: Franklin, Powell &
 //! Emami-Naeini, Feedback Control of Dynamic Systems. Checked by `tests/linearize_analysis.rs`: closed forms, the
@@ -31,7 +34,7 @@ use super::StateSpace;
 use crate::error::Error;
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
-use nalgebra::linalg::{Schur, balancing::balance_parlett_reinsch};
+use nalgebra::linalg::{Hessenberg, Schur, balancing::balance_parlett_reinsch};
 use nalgebra::{Complex, DMatrix, DVector, Dyn};
 
 /// A pole of a linear model.
@@ -91,9 +94,9 @@ impl Phasor {
 pub struct Controllability {
     /// Singular values of the scaled controllability matrix, falling, as parts of the largest.
     pub singular_values: Vec<f64>,
-    /// How many of them stand out of rounding.
+    /// How many states the input can move independently.
     pub rank: usize,
-    /// The largest over the smallest; infinite where the rank is not full.
+    /// The largest over the smallest; infinite where the rank is not full, or the smallest is rounding.
     pub condition: f64,
 }
 
@@ -135,6 +138,9 @@ impl Balanced {
 const ZERO: f64 = 1e-12;
 /// Part of the largest singular value below which one is rounding.
 const ROUNDING: f64 = 1e-12;
+/// Part of the balanced matrix below which what a state adds to the next one in the staircase form is rounding: that of the
+/// transformations is some 1e-15 for each state, and stiff plants that reach it have 1e-6 or more.
+const UNMOVED: f64 = 1e-11;
 /// Steps of the eigenvalue iteration, which needs about two for each state.
 const STEPS: usize = 1000;
 /// By how much a search for eigenvalues that does not end is made coarser, and the coarsest: parts of its neighbours from which on an
@@ -234,6 +240,25 @@ impl<X, U, Y> StateSpace<X, U, Y> {
         Ok(poles.iter().filter(|pole| pole.imaginary > 0.0).map(|pole| (*pole, part(pole))).collect())
     }
 
+    /// How many states an input moves independently, at least zero and at most all.
+    ///
+    /// # Panics
+    /// If the input has no column.
+    pub fn reached(&self, input: usize) -> usize {
+        // What no chain of entries leads to is left out: beside slow states that are moved, fast ones that are not would be rounding.
+        let mut moved: Vec<usize> = (0..self.states.len()).filter(|row| self.b[*row][input] != 0.0).collect();
+        let mut next = 0;
+        while let Some(&by) = moved.get(next) {
+            let others = (0..self.states.len()).filter(|row| self.a[*row][by] != 0.0 && !moved.contains(row));
+            let others: Vec<usize> = others.collect();
+            moved.extend(others);
+            next += 1;
+        }
+        let n = moved.len();
+        let a = DMatrix::from_fn(n, n, |row, column| self.a[moved[row]][moved[column]]);
+        rank(a, DVector::from_fn(n, |row, _| self.b[moved[row]][input]))
+    }
+
     /// What one input reaches, with the usual size of each state.
     pub(crate) fn controllability(&self, input: usize, usual: &[UsualSize]) -> Result<Controllability, Error> {
         let n = self.states.len();
@@ -258,13 +283,34 @@ impl<X, U, Y> StateSpace<X, U, Y> {
         singular.sort_by(|a, b| b.total_cmp(a));
         let largest = singular.first().copied().unwrap_or(0.0);
         let singular_values: Vec<f64> = singular.iter().map(|value| value / largest).collect();
-        let rank = singular_values.iter().filter(|value| **value > ROUNDING).count();
+        let rank = self.reached(input);
         let condition = match singular_values.last() {
-            Some(least) if rank == n => 1.0 / least,
+            Some(least) if rank == n && *least > ROUNDING => 1.0 / least,
             _ => f64::INFINITY,
         };
         Ok(Controllability { singular_values, rank, condition })
     }
+}
+
+/// How many states of `x' = A x + b u` the input moves independently: one and the leading entries below the diagonal of the staircase
+/// form. States that differ much in size are balanced first.
+fn rank(mut a: DMatrix<f64>, mut b: DVector<f64>) -> usize {
+    if a.nrows() < 2 {
+        return a.nrows();
+    }
+    let sizes = balance_parlett_reinsch(&mut a);
+    b.component_div_assign(&sizes);
+    let length = b.norm();
+    // The reflection that turns b into the first axis, of the two the one without cancellation.
+    b[0] += if b[0] < 0.0 { -length } else { length };
+    let length = b.norm();
+    b /= length;
+    let by_rows = &a - (&b * 2.0) * b.tr_mul(&a);
+    let turned = &by_rows - (&by_rows * &b) * (b.transpose() * 2.0);
+    let small = UNMOVED * turned.norm();
+    let staircase = Hessenberg::new(turned).unpack_h();
+    let moved = (1..staircase.nrows()).take_while(|row| staircase[(*row, row - 1)].abs() > small);
+    1 + moved.count()
 }
 
 /// `(s I − T)⁻¹ b` for a real Schur form T: upper triangular but for blocks of two rows on the diagonal.

@@ -103,6 +103,26 @@ impl Motion {
 }
 
 impl<S: Real> Motion<S> {
+    /// How many corners of a table have been passed at a time in s.
+    pub fn passed(&self, time: S) -> usize {
+        let is_passed = |corner: &usize| self.corner(*corner).is_some_and(|corner| crate::valve::is_due(corner, time));
+        (0..self.corners()).take_while(is_passed).count()
+    }
+
+    /// The speed in m/s to which a velocity at rest is compared: the greatest of a sinusoid, the least of a table's lines that do not
+    /// rest. Infinite where all rests.
+    pub fn usual_speed(&self) -> f64 {
+        let or_none = |speed: f64| if speed > 0.0 { speed } else { f64::INFINITY };
+        match self {
+            Self::Sinusoid { amplitude, frequency, .. } => or_none((TAU * amplitude.value() * frequency.value()).abs()),
+            #[cfg(feature = "alloc")]
+            Self::Table { .. } => {
+                let speeds = (0..self.corners()).filter_map(|passed| Some(self.line(passed)?.slope.value().abs()));
+                speeds.map(or_none).fold(f64::INFINITY, f64::min)
+            }
+        }
+    }
+
     /// That it has no more than [`MAX_COUNT`](parameter::MAX_COUNT) periods in a run of `duration` s.
     ///
     /// # Errors

@@ -153,6 +153,8 @@ pub struct System<R: Scalar> {
     /// Usual arms of the actuators, and usual torques on each mechanism.
     pub(crate) arms: Vec<f64>,
     pub(crate) usual_torque: Vec<f64>,
+    /// Usual speeds in m/s of prescribed motions; infinite of other mechanisms.
+    pub(crate) usual_speeds: Vec<f64>,
     /// The largest part by which a number of the plant changes with each direction of its derivatives.
     pub(crate) influences: Vec<f64>,
 }
@@ -239,6 +241,7 @@ impl<R: Scalar> System<R> {
             band: 0.0,
             arms: Vec::new(),
             usual_torque: Vec::new(),
+            usual_speeds: Vec::new(),
             influences: Vec::new(),
             plant,
         }

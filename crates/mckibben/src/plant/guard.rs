@@ -72,13 +72,11 @@ pub enum ContactEvent {
 
 /// The velocity in m/s above which an end without a mass does not slide any more, but jumps.
 pub const FASTEST: f64 = 100.0;
-/// Part of the longest length by which velocities at rest are measured, in 1/s.
-const SLOW: f64 = 0.1;
 
 impl<R: Real> System<R> {
     /// The velocity in m/s by which zero must be passed before an actuator is at rest: what a few steps may err.
     pub fn rest_band(&self, i: usize) -> f64 {
-        10.0 * self.band * SLOW * self.wires[i].member.longest
+        10.0 * self.band * self.slow(self.plant.actuators[i].mechanism, self.wires[i].member.longest)
     }
 
     /// Lists the guards of a mode.

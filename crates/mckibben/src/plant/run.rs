@@ -221,7 +221,7 @@ impl<R: Instantiate> PlantRun<R> {
         if let TimeStepping::Fixed { .. } = stepping {
             stepping.check()?;
         }
-        let (mut state, memories) = plant.start_with_memories(start)?;
+        let (mut state, memories) = plant.start_with_memories(start, R::zero())?;
         let mut plant = plant.clone();
         let coordinates: Vec<usize> = plant.places.mechanisms.iter().map(|here| here.coordinates).collect();
         Driver::check_all(&drivers, plant.network.valves.len(), plant.actuators.len(), &coordinates)?;
@@ -407,8 +407,8 @@ impl<R: Instantiate> PlantRun<R> {
 }
 
 impl PlantRun {
-    /// Begins the plant again at `time` in s, from a given start and without drivers: commands of valves and given motions
-    /// are where they are at that time.
+    /// Begins the plant again at `time` in s, from a given start and without drivers: commands of valves and what is given over time,
+    /// motions and pressures, are where they are at that time. The mass of air follows from them and from the temperature of the start.
     ///
     /// # Errors
     /// As [`Plant::start`]; [`Error::OutOfRange`] for a time that is negative or not finite.
@@ -418,7 +418,7 @@ impl PlantRun {
         }
         let system = self.system.clone();
         let plant = &*system.plant;
-        let (mut state, memories) = plant.start_with_memories(start)?;
+        let (mut state, memories) = plant.start_with_memories(start, time)?;
         let mut at = Evaluation::new(plant);
         let mut first = system.begin((0.0, None), &mut state.clone(), &memories, &mut at);
         for valve in 0..plant.network.valves.len() {

@@ -61,7 +61,12 @@ impl<R: Real> System<R> {
         let plant = plant.clone();
         let influences = influences(&plant);
         let (usual_torque, arms) = (Vec::new(), Vec::new());
-        let mut system = Self { plant, wires, assemblies, piping, band, usual_torque, arms, influences };
+        let speed = |mechanism: &Mechanism<R>| match mechanism {
+            Mechanism::Prescribed(motion) => motion.usual_speed(),
+            _ => f64::INFINITY,
+        };
+        let usual_speeds = plant.mechanisms.iter().map(speed).collect();
+        let mut system = Self { plant, wires, assemblies, piping, band, usual_torque, arms, usual_speeds, influences };
         system.enter_usual();
         system
     }
@@ -127,7 +132,7 @@ impl<R: Real> System<R> {
                 }
                 let position = &mut scales[here.position(k)];
                 *position = if bound.is_finite() { bound.min(usual) } else { position.max(usual) };
-                scales[here.rate(k)] += SLOW * usual;
+                scales[here.rate(k)] += self.slow(m, usual);
             }
         }
         for (i, here) in plant.places.actuators.iter().enumerate() {
@@ -155,6 +160,12 @@ impl<R: Real> System<R> {
                 scales[*place] += SLOW * 0.685 * atmosphere * hose.tube().area().value() / hose.wave_speed().value();
             }
         }
+    }
+
+    /// The speed in m/s or rad/s by which velocities at rest are measured, of a mechanism with a usual length or angle. A prescribed
+    /// motion that is slower is measured by its usual speed: however slow it is, it turns where its velocity changes its sign.
+    pub(crate) fn slow(&self, m: usize, usual: f64) -> f64 {
+        (SLOW * usual).min(self.usual_speeds[m])
     }
 
     /// The fastest rate in 1/s at which a state settles, zero when none does; `at` is evaluated at the state.

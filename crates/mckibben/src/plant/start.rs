@@ -111,9 +111,14 @@ impl<R: Instantiate> Plant<R> {
         R::start_plant(self, start)
     }
 
-    /// The states at t = 0, and what hysteresis remembers then.
+    /// The states of a start at a time in s, and what hysteresis remembers then: motions and pressures that are given over time are
+    /// where they are at that time.
     #[allow(clippy::type_complexity)]
-    pub(crate) fn start_with_memories(&self, start: &PlantStart<R>) -> Result<(Vec<R>, Vec<Option<Memory<R>>>), Error> {
+    pub(crate) fn start_with_memories(
+        &self,
+        start: &PlantStart<R>,
+        time: R,
+    ) -> Result<(Vec<R>, Vec<Option<Memory<R>>>), Error> {
         let fault = |name, entry: usize| {
             Err(Error::Table {
                 name,
@@ -139,7 +144,7 @@ impl<R: Instantiate> Plant<R> {
                 state[here.rate(k)] = start.rates[m][k];
             }
             if let Mechanism::Prescribed(motion) = &self.mechanisms[m] {
-                let [length, velocity, _] = motion.at(R::zero(), 0);
+                let [length, velocity, _] = motion.at(time, motion.passed(time));
                 (state[here.position(0)], state[here.rate(0)]) = (length, velocity);
             }
         }
@@ -149,7 +154,7 @@ impl<R: Instantiate> Plant<R> {
             parameter::INITIAL_GAUGE_PRESSURE.check(gauge_pressure.0.value())?;
             parameter::INITIAL_TEMPERATURE.check(temperature.value())?;
             let gauge = match pressure {
-                Some(given) => GaugePressure(given.gauge_at(R::zero())),
+                Some(given) => GaugePressure(given.gauge_at(time)),
                 None => gauge_pressure,
             };
             let absolute = gauge.absolute(air.atmosphere());
@@ -200,7 +205,7 @@ impl<R: Instantiate> Plant<R> {
                     own.larger(self.network.atmosphere).smaller(self.network.absolute(*feed))
                 }
                 NodeKind::Given { series, late } => {
-                    self.network.absolute(self.network.series[*series].gauge_at(R::zero() - *late))
+                    self.network.absolute(self.network.series[*series].gauge_at(time - *late))
                 }
                 NodeKind::Hose(_) => match self.chamber_behind(index) {
                     Some(i) => state[self.places.actuators[i].pressure],
@@ -282,10 +287,7 @@ impl<R: Real> System<R> {
         }
         for (m, mechanism) in plant.mechanisms.iter().enumerate() {
             if let Mechanism::Prescribed(motion) = mechanism {
-                let its = &mut mode.mechanisms[m];
-                while motion.corner(its.corners_passed).is_some_and(|corner| crate::valve::is_due(corner, time)) {
-                    its.corners_passed += 1;
-                }
+                mode.mechanisms[m].corners_passed = motion.passed(time);
             }
         }
         self.enter_distances(time, state, &mode, at);

@@ -326,7 +326,11 @@ fn by_trajectory(runs: &[Experiment<'_>], warnings: &mut Vec<String>) -> Result<
     {
         (Some(c), Some(b), _) => {
             let (scenarios, numbers) = with_both(runs, [c, b], warnings)?;
-            (scenarios, numbers, format!("C = {} and b = {}", with_interval(c), with_interval(b)))
+            let words = match found.all_choked {
+                true => format!("C = {} and b of {} or more", with_interval(c), digits(b.value)),
+                false => format!("C = {} and b = {}", with_interval(c), with_interval(b)),
+            };
+            (scenarios, numbers, words)
         }
         (_, _, Some(volume)) => with_volumes(runs, volume)?,
         _ => return Err(Failure::stopped("nothing was found")),

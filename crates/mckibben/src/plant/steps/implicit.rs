@@ -40,6 +40,9 @@ use crate::scalar::{Mask, Over, Scalar, Work};
 use alloc::vec;
 use alloc::vec::Vec;
 
+/// How much of itself a volume, by the index of its air, grows within γh where the fall of pressure is not taken implicitly.
+const SLOW_GROWTH: f64 = 0.25;
+
 /// How the tension of an actuator answers.
 #[derive(Clone, Copy, Debug)]
 struct TensionResponse<R> {
@@ -365,7 +368,7 @@ struct AtInstant<'a, R: Scalar, F> {
 impl<R: Scalar, F: Formulas<R>> Answers<R> for AtInstant<'_, R, F> {
     #[inline(always)]
     fn node(&self, node: usize) -> NodeResponse<R> {
-        self.system.response(node, self.at)
+        self.system.response(node, self.span.1, self.at)
     }
 
     #[inline(always)]
@@ -520,8 +523,12 @@ impl<R: Scalar> System<R> {
     }
 
     /// How the pressure of a node answers to what comes in, and how fast it falls besides.
+    ///
+    /// That the pressure falls as the volume grows is implicit only where it grows fast, by more than [`SLOW_GROWTH`] within γh. An explicit
+    /// step is accurate up to there, and does to the pressure on the way out what it undoes on the way back: implicit on the way out
+    /// alone, shut-in air loses or gains with every cycle of the length.
     #[inline(always)]
-    fn response(&self, node: usize, at: &Evaluation<R>) -> NodeResponse<R> {
+    fn response(&self, node: usize, gamma_h: R, at: &Evaluation<R>) -> NodeResponse<R> {
         let zero = R::zero();
         let per_mass = match &self.plant.network.nodes[node].kind {
             NodeKind::Chamber { actuator } => {
@@ -529,7 +536,8 @@ impl<R: Scalar> System<R> {
                 let grows = air.index() * chamber.volume_rate * chamber.mass * chamber.per_content;
                 let settles = self.heat_settling(*actuator, at);
                 let over_mass = chamber.pressure * chamber.volume * chamber.per_content;
-                let (per_mass, falls) = (air.index() * over_mass, grows.larger(zero) + settles);
+                let falls = (grows - R::constant(SLOW_GROWTH) / gamma_h).larger(zero) + settles;
+                let per_mass = air.index() * over_mass;
                 return NodeResponse { per_mass, falls, by_mass: settles * over_mass };
             }
             NodeKind::Hose(hose) => hose.stiffness(),
