@@ -30,8 +30,8 @@ use pyo3::types::PyDict;
 ///     "command.position" for every position of a spool, "command.time" for the instants of a command, "pressure.gauge_pressure"
 ///     and "load.table_length" for the rows of a pressure and of a length over time.
 /// quantities : sequence of str
-///     "length" (m), "gauge_pressure" (Pa), "tension" (N); of a joint also "angle" (rad), "angular_velocity" (rad/s), "torque"
-///     (N*m), "antagonist_length", "antagonist_gauge_pressure" and "antagonist_tension".
+///     "length" (m), "gauge_pressure" (Pa), "tension" (N), "temperature" (K), "mass_flow" (kg/s); of a joint also "angle" (rad),
+///     "angular_velocity" (rad/s), "torque" (N*m), "antagonist_length", "antagonist_gauge_pressure" and "antagonist_tension".
 /// times : array_like
 ///     Times in s, from 0 to `run.duration`.
 ///
