@@ -249,10 +249,12 @@ impl<X, U, Y> StateSpace<X, U, Y> {
         let mut moved: Vec<usize> = (0..self.states.len()).filter(|row| self.b[*row][input] != 0.0).collect();
         let mut next = 0;
         while let Some(&by) = moved.get(next) {
-            let others = (0..self.states.len()).filter(|row| self.a[*row][by] != 0.0 && !moved.contains(row));
-            let others: Vec<usize> = others.collect();
-            moved.extend(others);
             next += 1;
+            for row in 0..self.states.len() {
+                if self.a[row][by] != 0.0 && !moved.contains(&row) {
+                    moved.push(row);
+                }
+            }
         }
         let n = moved.len();
         let a = DMatrix::from_fn(n, n, |row, column| self.a[moved[row]][moved[column]]);
